@@ -1,2 +1,3 @@
 //! Placeholder.
 #![no_std]
+pub mod mission;

@@ -36,7 +36,7 @@ pub trait Real:
 
     /// The number nearest to `value`.
     fn of(value: f32) -> Self;
-    /// Square root, correctly rounded; NaN for negative input.
+    /// Square root of the magnitude, correctly rounded.
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
@@ -89,7 +89,7 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        libm::sqrt(self)
+        libm::sqrt(self.abs())
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {

@@ -31,25 +31,25 @@ pub fn saturate<T: Real>(value: T, limit: T) -> T {
     }
 }
 
-/// Square root, correctly rounded: `vsqrt.f32` on a Cortex-M4F.
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 #[allow(unsafe_code)]
-#[inline(always)]
-pub fn sqrt(x: f32) -> f32 {
-    let root: f32;
-    // SAFETY: reads and writes only the named floating-point registers; the target
-    // (thumbv7em-none-eabihf) always has the FPU.
-    unsafe {
-        core::arch::asm!("vsqrt.f32 {0}, {1}", lateout(sreg) root, in(sreg) x, options(pure, nomem, nostack, preserves_flags));
+mod arm {
+    // SAFETY: the C library's `sqrtf`, a pure function of its argument. It is never linked: the
+    // compiler replaces the call by `vsqrt.f32`, and with an argument that cannot be negative
+    // no call remains for the error case (xtask's probe ELF would fail to link if one did).
+    unsafe extern "C" {
+        pub(super) safe fn sqrtf(x: f32) -> f32;
     }
-    root
 }
 
-/// Square root, correctly rounded.
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+/// Square root of the magnitude of `x`, correctly rounded: `vabs.f32` and `vsqrt.f32` on a
+/// Cortex-M4F. A total function: rounding that leaves a tiny negative argument cannot make a NaN.
 #[inline(always)]
 pub fn sqrt(x: f32) -> f32 {
-    libm::sqrtf(x)
+    #[cfg(all(target_arch = "arm", target_os = "none"))]
+    return arm::sqrtf(x.abs());
+    #[cfg(not(all(target_arch = "arm", target_os = "none")))]
+    return libm::sqrtf(x.abs());
 }
 
 /// Length of a vector.

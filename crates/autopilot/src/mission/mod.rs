@@ -1,0 +1,2 @@
+//! Missions.
+pub mod item;
