@@ -247,9 +247,9 @@ fn cos_polynomial(square: f32) -> f32 {
 /// it is small enough for its rounding not to matter.
 #[inline(always)]
 fn asin_bend(x: f32, square: f32) -> f32 {
-    let p = 2.418_131e-2 + square * 4.216_32e-2;
+    let p = 2.418_131_2e-2 + square * 4.216_32e-2;
     let p = 4.547_002_6e-2 + square * p;
-    let p = 7.495_3e-2 + square * p;
+    let p = 7.495_300_5e-2 + square * p;
     let p = 1.666_675_2e-1 + square * p;
     x * square * p
 }
