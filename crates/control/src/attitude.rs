@@ -46,8 +46,18 @@ impl AttitudeGains {
     /// For a vehicle with these moments of inertia (kg·m²).
     pub fn new(parameters: &AttitudeParameters, inertia: Vector3) -> Self {
         let p = parameters;
-        let tilt = PidGains { p: p.tilt_rate_p, i: p.tilt_rate_i, d: -p.tilt_rate_d, tracking: p.tracking };
-        let heading = PidGains { p: p.heading_rate_p, i: p.heading_rate_i, d: 0.0, tracking: p.tracking };
+        let tilt = PidGains {
+            p: p.tilt_rate_p,
+            i: p.tilt_rate_i,
+            d: -p.tilt_rate_d,
+            tracking: p.tracking,
+        };
+        let heading = PidGains {
+            p: p.heading_rate_p,
+            i: p.heading_rate_i,
+            d: 0.0,
+            tracking: p.tracking,
+        };
         Self {
             attitude: Vector3::new(p.tilt_p, p.tilt_p, p.heading_p),
             rate: [tilt, tilt, heading],
@@ -93,7 +103,11 @@ impl AttitudeController {
         let rate_setpoint = rate_setpoint(gains, setpoint, age, estimate.attitude);
         let inverse = 1.0 / (gains.derivative_filter + dt);
         let mut acceleration = Vector3::zeros();
-        let axes = self.rate.iter_mut().zip(self.derivative.iter_mut()).zip(gains.rate.iter());
+        let axes = self
+            .rate
+            .iter_mut()
+            .zip(self.derivative.iter_mut())
+            .zip(gains.rate.iter());
         for (n, ((pid, derivative), gains_of_axis)) in axes.enumerate() {
             let turning = derivative.step_with(rate[n], inverse, dt);
             let missing = shortfall[n] * gains.inverse_inertia[n];
@@ -118,7 +132,12 @@ impl AttitudeController {
 
 /// The proportional loop on the attitude error, in rad/s, inside the rate limits.
 #[inline]
-fn rate_setpoint(gains: &AttitudeGains, setpoint: &AttitudeSetpoint, age: f32, attitude: Quaternion) -> Vector3 {
+fn rate_setpoint(
+    gains: &AttitudeGains,
+    setpoint: &AttitudeSetpoint,
+    age: f32,
+    attitude: Quaternion,
+) -> Vector3 {
     let error = (attitude.conjugate() * setpoint.attitude).shortest();
     let turn = Vector3::new(error.x, error.y, error.z) * 2.0 + setpoint.rate * age;
     let wanted = gains.attitude.component_mul(&turn) + setpoint.rate;
@@ -142,11 +161,20 @@ mod tests {
     }
 
     fn setpoint(attitude: Quaternion, rate: Vector3) -> AttitudeSetpoint {
-        AttitudeSetpoint { attitude, rate, thrust: 6.4 }
+        AttitudeSetpoint {
+            attitude,
+            rate,
+            thrust: 6.4,
+        }
     }
 
     /// A free rigid body with an ideal torque, by small steps; attitude error after `seconds`.
-    fn settle(gains: &AttitudeGains, mut now: AttitudeEstimate, wanted: &AttitudeSetpoint, seconds: f32) -> f32 {
+    fn settle(
+        gains: &AttitudeGains,
+        mut now: AttitudeEstimate,
+        wanted: &AttitudeSetpoint,
+        seconds: f32,
+    ) -> f32 {
         let mut controller = AttitudeController::default();
         for _ in 0..(seconds / DT) as u32 {
             let torque = controller.step(gains, wanted, 0.0, &now, Vector3::zeros(), DT);
@@ -176,14 +204,30 @@ mod tests {
 
     #[test]
     fn the_gyroscopic_torque_is_taken_out() {
-        let parameters = AttitudeParameters { tilt_rate_d: 0.0, ..Default::default() };
+        let parameters = AttitudeParameters {
+            tilt_rate_d: 0.0,
+            ..Default::default()
+        };
         let gains = AttitudeGains::new(&parameters, inertia());
         let rate = Vector3::new(1.0, 0.5, -1.2);
-        let now = AttitudeEstimate { attitude: Quaternion::IDENTITY, rate };
+        let now = AttitudeEstimate {
+            attitude: Quaternion::IDENTITY,
+            rate,
+        };
         // Turning exactly as demanded: the only torque left is the one that keeps it so.
-        let torque = AttitudeController::default().step(&gains, &setpoint(Quaternion::IDENTITY, rate), 0.0, &now, Vector3::zeros(), DT);
+        let torque = AttitudeController::default().step(
+            &gains,
+            &setpoint(Quaternion::IDENTITY, rate),
+            0.0,
+            &now,
+            Vector3::zeros(),
+            DT,
+        );
         let expected = rate.cross(&inertia().component_mul(&rate));
-        assert!(scalar::norm(torque - expected) < 1e-6, "{torque} against {expected}");
+        assert!(
+            scalar::norm(torque - expected) < 1e-6,
+            "{torque} against {expected}"
+        );
     }
 
     #[test]
@@ -191,9 +235,26 @@ mod tests {
         let gains = AttitudeGains::new(&AttitudeParameters::default(), inertia());
         let rate = Vector3::new(0.4, -0.2, 0.1);
         let turned = Quaternion::from_small_rotation(rate * 0.004);
-        let now = AttitudeEstimate { attitude: turned, rate };
-        let old = AttitudeController::default().step(&gains, &setpoint(Quaternion::IDENTITY, rate), 0.004, &now, Vector3::zeros(), DT);
-        let fresh = AttitudeController::default().step(&gains, &setpoint(turned, rate), 0.0, &now, Vector3::zeros(), DT);
+        let now = AttitudeEstimate {
+            attitude: turned,
+            rate,
+        };
+        let old = AttitudeController::default().step(
+            &gains,
+            &setpoint(Quaternion::IDENTITY, rate),
+            0.004,
+            &now,
+            Vector3::zeros(),
+            DT,
+        );
+        let fresh = AttitudeController::default().step(
+            &gains,
+            &setpoint(turned, rate),
+            0.0,
+            &now,
+            Vector3::zeros(),
+            DT,
+        );
         assert!(scalar::norm(old - fresh) < 1e-6, "{old} against {fresh}");
     }
 
@@ -202,16 +263,34 @@ mod tests {
         let parameters = AttitudeParameters::default();
         let gains = AttitudeGains::new(&parameters, inertia());
         let upside_down = Quaternion::new(0.0, 1.0, 0.0, 0.0);
-        let wanted = rate_setpoint(&gains, &setpoint(upside_down, Vector3::zeros()), 0.0, Quaternion::IDENTITY);
+        let wanted = rate_setpoint(
+            &gains,
+            &setpoint(upside_down, Vector3::zeros()),
+            0.0,
+            Quaternion::IDENTITY,
+        );
         assert_eq!(wanted.x, parameters.tilt_rate_max);
     }
 
     #[test]
     fn retuning_does_not_jump() {
         let old = AttitudeGains::new(&AttitudeParameters::default(), inertia());
-        let new = AttitudeGains::new(&AttitudeParameters { tilt_rate_p: 60.0, tilt_rate_d: 0.1, ..Default::default() }, inertia());
-        let wanted = setpoint(Quaternion::from_small_rotation(Vector3::new(0.1, 0.0, 0.0)), Vector3::zeros());
-        let now = AttitudeEstimate { attitude: Quaternion::IDENTITY, rate: Vector3::new(0.3, 0.0, 0.0) };
+        let new = AttitudeGains::new(
+            &AttitudeParameters {
+                tilt_rate_p: 60.0,
+                tilt_rate_d: 0.1,
+                ..Default::default()
+            },
+            inertia(),
+        );
+        let wanted = setpoint(
+            Quaternion::from_small_rotation(Vector3::new(0.1, 0.0, 0.0)),
+            Vector3::zeros(),
+        );
+        let now = AttitudeEstimate {
+            attitude: Quaternion::IDENTITY,
+            rate: Vector3::new(0.3, 0.0, 0.0),
+        };
         let mut controller = AttitudeController::default();
         for _ in 0..20 {
             controller.step(&old, &wanted, 0.0, &now, Vector3::zeros(), DT);
@@ -220,6 +299,9 @@ mod tests {
         retuned.retune(&old, &new);
         let without = controller.step(&old, &wanted, 0.0, &now, Vector3::zeros(), DT);
         let with = retuned.step(&new, &wanted, 0.0, &now, Vector3::zeros(), DT);
-        assert!(scalar::norm(with - without) < 1e-5 * 7.5, "{with} after {without}");
+        assert!(
+            scalar::norm(with - without) < 1e-5 * 7.5,
+            "{with} after {without}"
+        );
     }
 }

@@ -24,14 +24,27 @@ pub struct RollPitch {
 /// Roll and pitch at which a `thrust` (N, positive) has the horizontal components `north` and
 /// `east` (N), at the heading whose sine and cosine are given. Demands beyond `thrust` ×
 /// `sin_tilt_max` are shortened to that; a thrust that is not positive asks for level.
-pub fn roll_pitch(north: f32, east: f32, thrust: f32, heading_sin_cos: (f32, f32), sin_tilt_max: f32) -> RollPitch {
-    let level = RollPitch { roll: 0.0, pitch: 0.0 };
+pub fn roll_pitch(
+    north: f32,
+    east: f32,
+    thrust: f32,
+    heading_sin_cos: (f32, f32),
+    sin_tilt_max: f32,
+) -> RollPitch {
+    let level = RollPitch {
+        roll: 0.0,
+        pitch: 0.0,
+    };
     let horizontal = sqrt(north * north + east * east);
     if !(thrust > 0.0 && horizontal.is_finite()) {
         return level;
     }
     let reach = thrust * sin_tilt_max;
-    let share = if horizontal > reach { reach / horizontal } else { 1.0 } / thrust;
+    let share = if horizontal > reach {
+        reach / horizontal
+    } else {
+        1.0
+    } / thrust;
     let (sin, cos) = heading_sin_cos;
     // Components along the heading and to its right, as shares of the thrust.
     let forward = (north * cos + east * sin) * share;

@@ -60,7 +60,8 @@ impl Mixer {
             [1.0, -y, x, SPIN.get(n).copied().unwrap_or(0.0) * kappa]
         };
         let share = invert_columns([column(0), column(1), column(2), column(3)])?;
-        let well_formed = share.iter().all(|of_rotor| of_rotor[0] > 0.01) && thrust_max > 0.0 && thrust_max.is_finite();
+        let well_formed =
+            share.iter().all(|of_rotor| of_rotor[0] > 0.01) && thrust_max > 0.0 && thrust_max.is_finite();
         well_formed.then(|| Self {
             share,
             thrust_min: idle * idle * thrust_max,
@@ -74,13 +75,23 @@ impl Mixer {
     #[inline]
     pub fn mix(&self, demand: &Wrench, landed: bool) -> Mixed {
         let wanted = self.rotor_thrusts(demand.thrust, demand.torque);
-        let fits = wanted.iter().all(|&f| f >= self.thrust_min && f <= self.thrust_max);
+        let fits = wanted
+            .iter()
+            .all(|&f| f >= self.thrust_min && f <= self.thrust_max);
         if fits {
-            return Mixed { command: self.commands(wanted), applied: *demand, saturated: false };
+            return Mixed {
+                command: self.commands(wanted),
+                applied: *demand,
+                saturated: false,
+            };
         }
         let applied = self.saturate(demand, landed);
         let thrusts = self.rotor_thrusts(applied.thrust, applied.torque);
-        Mixed { command: self.commands(thrusts), applied, saturated: true }
+        Mixed {
+            command: self.commands(thrusts),
+            applied,
+            saturated: true,
+        }
     }
 
     /// Thrust of each rotor in N for a wrench, whether it can make it or not.
@@ -119,7 +130,11 @@ impl Mixer {
         let heading_scale = self.room(&heading, thrust, &scaled_tilt);
         Wrench {
             thrust,
-            torque: Vector3::new(demand.torque.x * scale, demand.torque.y * scale, demand.torque.z * heading_scale),
+            torque: Vector3::new(
+                demand.torque.x * scale,
+                demand.torque.y * scale,
+                demand.torque.z * heading_scale,
+            ),
         }
     }
 
@@ -154,7 +169,11 @@ impl Mixer {
         let mut scale = 1.0;
         for ((more, tilt), share) in more.iter().zip(tilt).zip(&self.share) {
             let base = share[0] * thrust + tilt;
-            let room = if *more > 0.0 { self.thrust_max - base } else { base - self.thrust_min };
+            let room = if *more > 0.0 {
+                self.thrust_max - base
+            } else {
+                base - self.thrust_min
+            };
             let need = more.abs();
             if room < need * scale {
                 scale = max(0.0, room / need);
@@ -176,8 +195,17 @@ fn invert_columns(columns: [[f32; 4]; 4]) -> Option<[[f32; 4]; 4]> {
         *row.get_mut(4 + r)? = 1.0;
     }
     for n in 0..4 {
-        let scale = columns.iter().map(|column| column.get(n).map_or(0.0, |v| v.abs())).fold(0.0, max);
-        let pivot = (n..4).reduce(|best, r| if entry(&rows, r, n).abs() > entry(&rows, best, n).abs() { r } else { best })?;
+        let scale = columns
+            .iter()
+            .map(|column| column.get(n).map_or(0.0, |v| v.abs()))
+            .fold(0.0, max);
+        let pivot = (n..4).reduce(|best, r| {
+            if entry(&rows, r, n).abs() > entry(&rows, best, n).abs() {
+                r
+            } else {
+                best
+            }
+        })?;
         let of_pivot = *rows.get(pivot)?;
         let value = of_pivot.get(n).copied()?;
         if !value.is_finite() || value.abs() <= 1e-4 * scale {
@@ -199,7 +227,10 @@ fn invert_columns(columns: [[f32; 4]; 4]) -> Option<[[f32; 4]; 4]> {
 }
 
 fn entry(rows: &[[f32; 8]; 4], row: usize, column: usize) -> f32 {
-    rows.get(row).and_then(|row| row.get(column)).copied().unwrap_or(0.0)
+    rows.get(row)
+        .and_then(|row| row.get(column))
+        .copied()
+        .unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -231,7 +262,13 @@ mod tests {
 
     /// A frame whose rotors stand unevenly about the centre of mass.
     fn uneven() -> VehicleParameters {
-        VehicleParameters { rotor0_x: 0.2, rotor0_y: 0.1, rotor1_x: -0.15, rotor1_y: -0.2, ..x_frame() }
+        VehicleParameters {
+            rotor0_x: 0.2,
+            rotor0_y: 0.1,
+            rotor1_x: -0.15,
+            rotor1_y: -0.2,
+            ..x_frame()
+        }
     }
 
     fn frames() -> [VehicleParameters; 3] {
@@ -262,8 +299,14 @@ mod tests {
     fn equation_5_in_the_papers_numbering() {
         let vehicle = plus();
         let mixer = Mixer::new(&vehicle, 0.05).unwrap();
-        let demand = Wrench { thrust: 7.0, torque: Vector3::new(0.1, -0.07, 0.02) };
-        let speeds = mixer.mix(&demand, false).command.map(|c| f64::from(c) / 65535.0 * 400.0);
+        let demand = Wrench {
+            thrust: 7.0,
+            torque: Vector3::new(0.1, -0.07, 0.02),
+        };
+        let speeds = mixer
+            .mix(&demand, false)
+            .command
+            .map(|c| f64::from(c) / 65535.0 * 400.0);
         let [front, rear, left, right] = speeds;
         let (w1, w2, w3, w4) = (rear * rear, right * right, front * front, left * left);
         let (kf, kz, l) = (3.13e-5, 7.5e-7, 0.23);
@@ -334,23 +377,44 @@ mod tests {
         let mixer = Mixer::new(&vehicle, 0.05).unwrap();
         let full = 4.0 * vehicle.rotor_thrust_max();
         // Near full thrust: thrust gives way to roll, heading to both.
-        let demand = Wrench { thrust: full, torque: Vector3::new(1.0, 0.0, 0.5) };
+        let demand = Wrench {
+            thrust: full,
+            torque: Vector3::new(1.0, 0.0, 0.5),
+        };
         let applied = mixer.mix(&demand, false).applied;
-        assert!((applied.torque.x - 1.0).abs() < 1e-4 && applied.thrust < full && applied.torque.z.abs() < 1e-4);
+        assert!(
+            (applied.torque.x - 1.0).abs() < 1e-4 && applied.thrust < full && applied.torque.z.abs() < 1e-4
+        );
         // With no thrust asked for in flight, thrust is raised to make the roll torque.
-        let demand = Wrench { thrust: 0.0, torque: Vector3::new(1.0, 0.0, 0.0) };
+        let demand = Wrench {
+            thrust: 0.0,
+            torque: Vector3::new(1.0, 0.0, 0.0),
+        };
         let applied = mixer.mix(&demand, false).applied;
         assert!((applied.torque.x - 1.0).abs() < 1e-4 && applied.thrust > 1.0);
         // On the ground it is not.
         let applied = mixer.mix(&demand, true).applied;
-        assert!(applied.torque.x < 0.2 && applied.thrust < 0.02 * full, "{applied:?}");
+        assert!(
+            applied.torque.x < 0.2 && applied.thrust < 0.02 * full,
+            "{applied:?}"
+        );
     }
 
     #[test]
     fn a_geometry_that_cannot_fly_is_refused() {
-        let in_line = VehicleParameters { rotor2_y: 0.0, rotor3_y: 0.0, rotor2_x: 0.1, rotor3_x: -0.1, ..plus() };
+        let in_line = VehicleParameters {
+            rotor2_y: 0.0,
+            rotor3_y: 0.0,
+            rotor2_x: 0.1,
+            rotor3_x: -0.1,
+            ..plus()
+        };
         assert_eq!(Mixer::new(&in_line, 0.05), None);
-        let one_sided = VehicleParameters { rotor0_x: -0.23, rotor1_x: -0.3, ..plus() };
+        let one_sided = VehicleParameters {
+            rotor0_x: -0.23,
+            rotor1_x: -0.3,
+            ..plus()
+        };
         assert_eq!(Mixer::new(&one_sided, 0.05), None);
     }
 }

@@ -23,7 +23,10 @@ parameters! {
 impl ObserverParameters {
     /// The paper has no observer.
     pub fn paper() -> Self {
-        Self { share: 0.0, ..Self::default() }
+        Self {
+            share: 0.0,
+            ..Self::default()
+        }
     }
 }
 
@@ -36,7 +39,13 @@ pub struct DisturbanceObserver {
 impl DisturbanceObserver {
     /// Takes in the mean `specific_force` over the last `dt` seconds and the part of it that the
     /// rotors' `thrust` made, both in the world (NED) and in m/s².
-    pub fn step(&mut self, parameters: &ObserverParameters, specific_force: Vector3, thrust: Vector3, dt: f32) {
+    pub fn step(
+        &mut self,
+        parameters: &ObserverParameters,
+        specific_force: Vector3,
+        thrust: Vector3,
+        dt: f32,
+    ) {
         let unexplained = scalar::limit_norm(specific_force - thrust, parameters.limit);
         let share = low_pass_share(parameters.time_constant, dt);
         self.disturbance += (unexplained - self.disturbance) * share;

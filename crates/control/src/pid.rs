@@ -101,7 +101,12 @@ pub fn low_pass_share(time_constant: f32, dt: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const GAINS: PidGains = PidGains { p: 2.0, i: 0.5, d: 0.25, tracking: 4.0 };
+    const GAINS: PidGains = PidGains {
+        p: 2.0,
+        i: 0.5,
+        d: 0.25,
+        tracking: 4.0,
+    };
 
     #[test]
     fn printed_form_of_equation_10_at_a_time_step_of_one() {
@@ -122,14 +127,23 @@ mod tests {
     /// e(t) = e0·exp(−σt)(cos ωt + σ/ω sin ωt), σ = d/2, ω² = p − σ².
     #[test]
     fn step_response_of_a_double_integrator_is_the_closed_form() {
-        let gains = PidGains { p: 9.0, i: 0.0, d: 3.0, tracking: 0.0 };
+        let gains = PidGains {
+            p: 9.0,
+            i: 0.0,
+            d: 3.0,
+            tracking: 0.0,
+        };
         let (mut x, mut v, mut pid) = (0.0f32, 0.0f32, Pid::default());
         let dt = 1e-4f32;
         let (sigma, omega) = (1.5f64, 6.75f64.sqrt());
         for n in 0..30_000 {
             let t = f64::from(n) * 1e-4;
             let exact = libm::exp(-sigma * t) * (libm::cos(omega * t) + sigma / omega * libm::sin(omega * t));
-            assert!((f64::from(1.0 - x) - exact).abs() < 1e-3, "at {t} s: {} against {exact}", 1.0 - x);
+            assert!(
+                (f64::from(1.0 - x) - exact).abs() < 1e-3,
+                "at {t} s: {} against {exact}",
+                1.0 - x
+            );
             let u = pid.step(&gains, 1.0 - x, -v, 0.0, dt);
             v += u * dt;
             x += v * dt;
@@ -138,7 +152,12 @@ mod tests {
 
     #[test]
     fn the_integral_removes_a_constant_disturbance() {
-        let gains = PidGains { p: 9.0, i: 6.0, d: 5.0, tracking: 0.0 };
+        let gains = PidGains {
+            p: 9.0,
+            i: 6.0,
+            d: 5.0,
+            tracking: 0.0,
+        };
         let (mut x, mut v, mut pid) = (0.0f32, 0.0f32, Pid::default());
         for _ in 0..20_000 {
             let u = pid.step(&gains, 1.0 - x, -v, 0.0, 1e-3) - 3.0;
@@ -157,7 +176,10 @@ mod tests {
             shortfall = output.clamp(-1.0, 1.0) - output;
         }
         // Equilibrium: i·e + tracking·shortfall = 0.
-        assert!((shortfall + GAINS.i * 10.0 / GAINS.tracking).abs() < 1e-3, "{shortfall}");
+        assert!(
+            (shortfall + GAINS.i * 10.0 / GAINS.tracking).abs() < 1e-3,
+            "{shortfall}"
+        );
         // Once the error changes sign the output leaves the limit at once.
         assert!(pid.step(&GAINS, -1.0, 0.0, shortfall, 1e-3) < -1.0);
     }
@@ -169,7 +191,12 @@ mod tests {
             pid.step(&GAINS, (n as f32) * 0.01, 1.0, 0.0, 0.01);
         }
         let before = pid.step(&GAINS, 1.0, 1.0, 0.0, 0.0);
-        let new = PidGains { p: 5.0, i: 2.0, d: 0.0, tracking: 1.0 };
+        let new = PidGains {
+            p: 5.0,
+            i: 2.0,
+            d: 0.0,
+            tracking: 1.0,
+        };
         pid.retune(&GAINS, &new);
         let after = pid.step(&new, 1.0, 1.0, 0.0, 0.0);
         assert!((before - after).abs() < 1e-5, "{before} to {after}");

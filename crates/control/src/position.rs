@@ -45,7 +45,12 @@ parameters! {
 
 impl PositionParameters {
     fn gains(&self) -> [PidGains; 3] {
-        let gains = |p, i, d| PidGains { p, i, d, tracking: self.tracking };
+        let gains = |p, i, d| PidGains {
+            p,
+            i,
+            d,
+            tracking: self.tracking,
+        };
         [
             gains(self.north_p, self.north_i, self.north_d),
             gains(self.east_p, self.east_i, self.east_d),
@@ -141,7 +146,12 @@ impl PositionController {
         });
         AttitudeSetpoint {
             attitude,
-            rate: body_rate(attitude, setpoint, inversion_thrust / vehicle.mass, parameters.feed_forward),
+            rate: body_rate(
+                attitude,
+                setpoint,
+                inversion_thrust / vehicle.mass,
+                parameters.feed_forward,
+            ),
             thrust,
         }
     }
@@ -182,7 +192,13 @@ impl PositionController {
     }
 
     /// The vertical component of the thrust and the thrust, in N, inside the limits.
-    fn height(&mut self, parameters: &PositionParameters, vehicle: &VehicleParameters, demand: f32, cos_tilt: f32) -> (f32, f32) {
+    fn height(
+        &mut self,
+        parameters: &PositionParameters,
+        vehicle: &VehicleParameters,
+        demand: f32,
+        cos_tilt: f32,
+    ) -> (f32, f32) {
         let wanted = if parameters.form > 0.5 {
             // m/(cosφ cosθ)·K_p·e + K_i∫e + K_d·ė + m·g: the tilt factor on the first term only.
             let proportional = self.axes[2].proportional(parameters.down_p);
@@ -192,13 +208,22 @@ impl PositionController {
             vehicle.mass * (GRAVITY - demand) / cos_tilt
         };
         let full = 4.0 * vehicle.rotor_thrust_max();
-        let thrust = max(parameters.thrust_min * full, min(parameters.thrust_max * full, wanted));
+        let thrust = max(
+            parameters.thrust_min * full,
+            min(parameters.thrust_max * full, wanted),
+        );
         self.shortfall.z = -(thrust - wanted) * cos_tilt / vehicle.mass;
         (thrust * cos_tilt, thrust)
     }
 
     /// The demanded horizontal force in N, shortened to the tilt limit for this lift.
-    fn horizontal(&mut self, vehicle: &VehicleParameters, demand: Vector3, lift: f32, tan_tilt_max: f32) -> (f32, f32) {
+    fn horizontal(
+        &mut self,
+        vehicle: &VehicleParameters,
+        demand: Vector3,
+        lift: f32,
+        tan_tilt_max: f32,
+    ) -> (f32, f32) {
         let (north, east) = (demand.x * vehicle.mass, demand.y * vehicle.mass);
         let length = sqrt(north * north + east * east);
         let reach = lift * tan_tilt_max;
@@ -216,7 +241,11 @@ fn cos_tilt(attitude: Quaternion, parameters: &PositionParameters) -> f32 {
 
 /// What turns the unit of the gains into an acceleration.
 fn per_mass(parameters: &PositionParameters, vehicle: &VehicleParameters) -> f32 {
-    if parameters.gain_unit > 0.5 { 1.0 / vehicle.mass } else { 1.0 }
+    if parameters.gain_unit > 0.5 {
+        1.0 / vehicle.mass
+    } else {
+        1.0
+    }
 }
 
 fn tan_of(sine: f32) -> f32 {
@@ -235,7 +264,12 @@ fn lead(parameters: &PositionParameters, jerk: Vector3) -> Vector3 {
 /// The body rate at which a vehicle of that attitude and specific thrust (m/s²) has the
 /// setpoint's jerk, and its heading rate: with a − g = −c·z_B, the jerk's share along the body
 /// axes is (−c·q, c·p).
-fn body_rate(attitude: Quaternion, setpoint: &TrajectorySetpoint, specific_thrust: f32, feed_forward: f32) -> Vector3 {
+fn body_rate(
+    attitude: Quaternion,
+    setpoint: &TrajectorySetpoint,
+    specific_thrust: f32,
+    feed_forward: f32,
+) -> Vector3 {
     if specific_thrust < 1.0 {
         return Vector3::zeros();
     }
@@ -256,7 +290,12 @@ mod tests {
     const DT: f32 = 0.004;
 
     fn estimate(position: Vector3, velocity: Vector3, attitude: Quaternion) -> PositionEstimate {
-        PositionEstimate { position, velocity, attitude, disturbance: Vector3::zeros() }
+        PositionEstimate {
+            position,
+            velocity,
+            attitude,
+            disturbance: Vector3::zeros(),
+        }
     }
 
     /// Equation (13) with Table I, in the paper's frame (x forward, y up, z right), f64: the
@@ -311,7 +350,7 @@ mod tests {
         fn thrust_direction_makes_the_demanded_acceleration(
             a in prop::array::uniform3(-4.0f32..4.0), d in prop::array::uniform3(-2.0f32..2.0), heading in -3.0f32..3.0,
         ) {
-            let parameters = PositionParameters { lead_horizontal: 0.0, lead_vertical: 0.0, ..Default::default() };
+            let parameters = PositionParameters { lead_horizontal: 0.0, lead_vertical: 0.0, tilt_max: 1.2, ..Default::default() };
             let vehicle = VehicleParameters::default();
             let mut setpoint = TrajectorySetpoint::at_rest(Vector3::zeros(), heading);
             setpoint.acceleration = Vector3::from(a);
@@ -344,7 +383,11 @@ mod tests {
     /// acceleration changes by the jerk (numerically).
     #[test]
     fn rate_feed_forward_is_the_derivative_of_the_attitude() {
-        let parameters = PositionParameters { lead_horizontal: 0.0, lead_vertical: 0.0, ..Default::default() };
+        let parameters = PositionParameters {
+            lead_horizontal: 0.0,
+            lead_vertical: 0.0,
+            ..Default::default()
+        };
         let vehicle = VehicleParameters::default();
         let mut setpoint = TrajectorySetpoint::at_rest(Vector3::zeros(), 0.4);
         setpoint.jerk = Vector3::new(3.0, -2.0, 0.0);
@@ -357,7 +400,10 @@ mod tests {
         let turned = attitude_at(-0.01).attitude.conjugate() * attitude_at(0.01).attitude;
         let numerical = Vector3::new(turned.x, turned.y, turned.z) * (2.0 / 0.02);
         let ours = attitude_at(0.0).rate;
-        assert!((numerical.x - ours.x).abs() < 2e-3 && (numerical.y - ours.y).abs() < 2e-3, "{numerical} against {ours}");
+        assert!(
+            (numerical.x - ours.x).abs() < 2e-3 && (numerical.y - ours.y).abs() < 2e-3,
+            "{numerical} against {ours}"
+        );
     }
 
     /// Held against a limit, the integrals stay where one can come back from.
@@ -371,7 +417,11 @@ mod tests {
             controller.step(&parameters, &vehicle, &far, &at, 0.0, DT);
         }
         let back = TrajectorySetpoint::at_rest(Vector3::new(-2.0, 0.0, 0.0), 0.0);
-        let pitch = controller.step(&parameters, &vehicle, &back, &at, 0.0, DT).attitude.to_euler().pitch;
+        let pitch = controller
+            .step(&parameters, &vehicle, &back, &at, 0.0, DT)
+            .attitude
+            .to_euler()
+            .pitch;
         assert!(pitch > 0.3, "still leaning forward: {pitch}");
     }
 }

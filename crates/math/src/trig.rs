@@ -135,11 +135,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let height = y.abs();
     // The point's mirror image across the diagonal, if need be, has an angle of at most π/4.
     let steep = height > width;
-    let (opposite, adjacent) = if steep {
-        (width, height)
-    } else {
-        (height, width)
-    };
+    let (opposite, adjacent) = if steep { (width, height) } else { (height, width) };
     // Above π/8: atan(t) = π/4 + atan((t − 1)/(t + 1)).
     let (numerator, denominator, offset) = if opposite > TAN_FRAC_PI_8 * adjacent {
         (opposite - adjacent, sum, FRAC_PI_4)
@@ -184,11 +180,7 @@ fn unit_if_infinite(x: f32) -> f32 {
 /// only the low bits count.
 #[inline(always)]
 fn reduce(angle: f32) -> (f32, u32) {
-    let angle = if angle.abs() <= LARGEST_ANGLE {
-        angle
-    } else {
-        0.0
-    };
+    let angle = if angle.abs() <= LARGEST_ANGLE { angle } else { 0.0 };
     let shifted = angle * FRAC_2_PI + ROUND;
     let n = shifted - ROUND;
     let [high, middle, low] = QUARTER_TURN;
