@@ -9,10 +9,19 @@ use windhover_control::TrajectorySetpoint;
 use windhover_math::{Quaternion, Vector3, scalar};
 
 /// A bounded queue that counts what it could not take.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Queue<T, const CAPACITY: usize> {
     items: Deque<T, CAPACITY>,
     dropped: u32,
+}
+
+impl<T, const CAPACITY: usize> Default for Queue<T, CAPACITY> {
+    fn default() -> Self {
+        Self {
+            items: Deque::new(),
+            dropped: 0,
+        }
+    }
 }
 
 impl<T, const CAPACITY: usize> Queue<T, CAPACITY> {
@@ -77,7 +86,7 @@ macro_rules! outer_inputs {
 
             /// Puts recorded inputs back, for replay.
             pub fn refill(&mut self, inputs: &OuterInputs) {
-                $(for item in &inputs.$name { self.$name.push(item.clone()); })*
+                $(for item in &inputs.$name { self.$name.push(*item); })*
             }
 
             /// How many items were dropped since start, over all queues.
@@ -193,9 +202,33 @@ mod tests {
             attitude: Quaternion::IDENTITY,
         };
         assert!(good.is_valid());
-        assert!(!ExternalEstimate { position: Vector3::new(f32::NAN, 0.0, 0.0), ..good }.is_valid());
-        assert!(!ExternalEstimate { velocity: Vector3::new(0.0, f32::INFINITY, 0.0), ..good }.is_valid());
-        assert!(!ExternalEstimate { attitude: Quaternion::new(0.0, 0.0, 0.0, 0.0), ..good }.is_valid());
-        assert!(!ExternalEstimate { attitude: Quaternion::new(f32::NAN, 0.0, 0.0, 0.0), ..good }.is_valid());
+        assert!(
+            !ExternalEstimate {
+                position: Vector3::new(f32::NAN, 0.0, 0.0),
+                ..good
+            }
+            .is_valid()
+        );
+        assert!(
+            !ExternalEstimate {
+                velocity: Vector3::new(0.0, f32::INFINITY, 0.0),
+                ..good
+            }
+            .is_valid()
+        );
+        assert!(
+            !ExternalEstimate {
+                attitude: Quaternion::new(0.0, 0.0, 0.0, 0.0),
+                ..good
+            }
+            .is_valid()
+        );
+        assert!(
+            !ExternalEstimate {
+                attitude: Quaternion::new(f32::NAN, 0.0, 0.0, 0.0),
+                ..good
+            }
+            .is_valid()
+        );
     }
 }

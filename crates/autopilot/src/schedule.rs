@@ -73,7 +73,11 @@ impl Schedule {
     pub fn advance(&mut self, adopted: bool) -> Option<ScheduleRecord> {
         let record = self.at_boundary().then(|| self.boundary(adopted));
         self.tick = self.tick.wrapping_add(1);
-        self.phase = if self.phase + 1 >= self.k { 0 } else { self.phase + 1 };
+        self.phase = if self.phase + 1 >= self.k {
+            0
+        } else {
+            self.phase + 1
+        };
         record
     }
 
@@ -123,7 +127,10 @@ mod tests {
             for boundary in 0..10 {
                 let ready = given > adopted && pattern >> boundary & 1 == 1;
                 let record = schedule.advance(ready).expect("a boundary");
-                assert!(schedule.advance(false).is_none(), "between boundaries nothing happens");
+                assert!(
+                    schedule.advance(false).is_none(),
+                    "between boundaries nothing happens"
+                );
                 adopted += u32::from(record.adopted);
                 assert_eq!(record.snapshot_taken, given == adopted, "pattern {pattern:b}");
                 given += u32::from(record.snapshot_taken);

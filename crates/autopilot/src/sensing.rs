@@ -46,7 +46,9 @@ impl BoardRotation {
     #[inline]
     fn apply(&self, counts: [i16; 3], scale: f32) -> Vector3 {
         let [x, y, z] = counts.map(|count| f32::from(count) * scale);
-        let [front, right, down] = self.0.map(|[a, b, c]| f32::from(a) * x + f32::from(b) * y + f32::from(c) * z);
+        let [front, right, down] = self
+            .0
+            .map(|[a, b, c]| f32::from(a) * x + f32::from(b) * y + f32::from(c) * z);
         Vector3::new(front, right, down)
     }
 }
@@ -62,7 +64,11 @@ pub struct Inertial {
 
 /// Converts one sample.
 #[inline]
-pub fn convert(counts: &ImuCounts, rotation: &BoardRotation, calibration: &CalibrationParameters) -> Inertial {
+pub fn convert(
+    counts: &ImuCounts,
+    rotation: &BoardRotation,
+    calibration: &CalibrationParameters,
+) -> Inertial {
     let c = calibration;
     let accel = rotation.apply(counts.accel, ACCEL_SCALE) - Vector3::new(c.accel_x, c.accel_y, c.accel_z);
     let gyro = rotation.apply(counts.gyro, GYRO_SCALE) - Vector3::new(c.gyro_x, c.gyro_y, c.gyro_z);
@@ -79,8 +85,15 @@ mod tests {
 
     #[test]
     fn counts_at_rest_are_minus_one_g_down() {
-        let counts = ImuCounts { accel: [0, 0, -2048], gyro: [164, 0, 0] };
-        let inertial = convert(&counts, &BoardRotation::default(), &CalibrationParameters::default());
+        let counts = ImuCounts {
+            accel: [0, 0, -2048],
+            gyro: [164, 0, 0],
+        };
+        let inertial = convert(
+            &counts,
+            &BoardRotation::default(),
+            &CalibrationParameters::default(),
+        );
         assert!((inertial.specific_force.z + GRAVITY).abs() < 1e-6);
         assert!((inertial.rate.x - 10.0f32.to_radians()).abs() < 1e-6);
     }
@@ -89,9 +102,18 @@ mod tests {
     fn rotation_comes_before_the_offset() {
         // The sensor lies turned by 90° about down: its x is the body's right.
         let rotation = BoardRotation([[0, -1, 0], [1, 0, 0], [0, 0, 1]]);
-        let calibration = CalibrationParameters { accel_y: 0.5, ..Default::default() };
-        let counts = ImuCounts { accel: [2048, 0, 0], gyro: [0; 3] };
+        let calibration = CalibrationParameters {
+            accel_y: 0.5,
+            ..Default::default()
+        };
+        let counts = ImuCounts {
+            accel: [2048, 0, 0],
+            gyro: [0; 3],
+        };
         let force = convert(&counts, &rotation, &calibration).specific_force;
-        assert!((force.y - (GRAVITY - 0.5)).abs() < 1e-6 && force.x == 0.0, "{force}");
+        assert!(
+            (force.y - (GRAVITY - 0.5)).abs() < 1e-6 && force.x == 0.0,
+            "{force}"
+        );
     }
 }

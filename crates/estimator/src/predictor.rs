@@ -86,7 +86,10 @@ mod tests {
         let rate = Vector3::new(1.0, 0.5, -0.3);
         predictor.predict(rate, 4e-3);
         let turned = predictor.mark();
-        assert_eq!(turned, Quaternion::from_small_rotation(rate * 4e-3).renormalized());
+        assert_eq!(
+            turned,
+            Quaternion::from_small_rotation(rate * 4e-3).renormalized()
+        );
         for _ in 0..7 {
             predictor.predict(rate, 4e-3);
         }

@@ -233,14 +233,12 @@ mod tests {
                     let origin = position(latitude.into(), longitude, altitude);
                     let frame = LocalFrame::new(origin);
                     for bearing in 0..24 {
-                        let (s, c) =
-                            libm::sincos(f64::from(bearing) * core::f64::consts::PI / 12.0);
+                        let (s, c) = libm::sincos(f64::from(bearing) * core::f64::consts::PI / 12.0);
                         let local = Vector3::new(radius * c, radius * s, 0.0).map(|v| v as f32);
                         let there = frame.to_global(local);
                         let local = frame.to_local(there);
                         let (north, east) = wgs84::tangent_plane(origin, there);
-                        let error =
-                            libm::hypot(f64::from(local.x) - north, f64::from(local.y) - east);
+                        let error = libm::hypot(f64::from(local.x) - north, f64::from(local.y) - east);
                         worst = crate::max(worst, error);
                     }
                 }
@@ -282,10 +280,7 @@ mod tests {
         let frame = LocalFrame::new(origin);
         let there = position(47.08, 8.05, 530.001);
         assert_eq!(frame.to_local(there).z, -30.001);
-        assert_eq!(
-            frame.to_global(Vector3::new(0.0, 0.0, 10.0)).altitude,
-            490_000
-        );
+        assert_eq!(frame.to_global(Vector3::new(0.0, 0.0, 10.0)).altitude, 490_000);
         assert_eq!(frame.origin(), origin);
     }
 

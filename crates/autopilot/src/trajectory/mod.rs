@@ -1,0 +1,9 @@
+//! Setpoints that move: along a path with limited speed, acceleration and jerk.
+
+pub mod heading;
+pub mod path;
+pub mod profile;
+
+pub use heading::HeadingSlew;
+pub use path::{Limits, Path};
+pub use profile::Profile;
