@@ -333,6 +333,20 @@ mod tests {
     }
 
     #[test]
+    fn there_and_back_at_a_pole() {
+        for latitude in [POLE, POLE - 300, -POLE, 300 - POLE] {
+            let frame = LocalFrame::new(GlobalPosition {
+                latitude,
+                longitude: 123_456_789,
+                altitude: 0,
+            });
+            let local = Vector3::new(0.0, 10.0, 0.0);
+            let error = frame.to_local(frame.to_global(local)) - local;
+            assert!(error.amax() < 0.02, "{error}");
+        }
+    }
+
+    #[test]
     fn not_a_number_counts_as_the_origin() {
         let origin = position(-33.0, 151.0, 20.0);
         let nan = Vector3::repeat(f32::NAN);

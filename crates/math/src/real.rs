@@ -104,3 +104,44 @@ impl Real for f64 {
         libm::atan2(self, x)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What rotations need, computed in either number.
+    fn values<T: Real>(x: f32) -> [T; 7] {
+        let x = T::of(x);
+        let (s, c) = x.sin_cos();
+        [
+            T::PI * x,
+            x.sqrt(),
+            s,
+            c,
+            x.asin(),
+            x.atan2(T::TWO),
+            T::HALF - T::ONE + T::ZERO,
+        ]
+    }
+
+    #[test]
+    fn both_numbers_give_the_same_values() {
+        for i in -300..=300 {
+            let x = i as f32 * 0.01;
+            let single = values::<f32>(x);
+            let double = values::<f64>(x);
+            for (a, b) in single.iter().zip(double) {
+                assert!((f64::from(*a) - b).abs() < 1e-6, "{a} {b} of {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn both_numbers_are_total_in_the_same_way() {
+        assert_eq!(<f32 as Real>::sqrt(-4.0), 2.0);
+        assert_eq!(<f64 as Real>::sqrt(-4.0), 2.0);
+        assert_eq!(<f32 as Real>::asin(-1.5), -core::f32::consts::FRAC_PI_2);
+        assert_eq!(<f64 as Real>::asin(-1.5), -core::f64::consts::FRAC_PI_2);
+        assert_eq!(<f64 as Real>::of(0.1), f64::from(0.1_f32));
+    }
+}

@@ -534,6 +534,8 @@ mod tests {
         assert_eq!(atan2(3.0, 3.0), FRAC_PI_4);
         assert_eq!(atan2(f32::MAX, f32::MAX), FRAC_PI_4);
         assert_eq!(atan2(f32::NEG_INFINITY, f32::INFINITY), -FRAC_PI_4);
+        assert_eq!(atan2(0.6 * f32::MAX, f32::MAX), atan2(0.6, 1.0));
+        assert_eq!(atan2(-0.2 * f32::MAX, f32::MIN), atan2(-0.2, -1.0));
         assert_eq!(atan2(1.0, f32::NEG_INFINITY), PI);
     }
 }
