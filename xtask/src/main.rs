@@ -31,7 +31,11 @@ fn main() -> ExitCode {
             print!("{}", steps::list());
             Ok(())
         }
-        Task::Test { only, fail_fast } => steps::test(&only, fail_fast),
+        Task::Test { only, fail_fast } => match steps::test(&only, fail_fast) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE, // the summary is the last word
+            Err(message) => Err(message),
+        },
         Task::Bench(arguments) => bench(&arguments),
         Task::Size => firmware::size(),
     };
