@@ -134,10 +134,12 @@ impl<T: Real> Quaternion<T> {
         let half = T::HALF;
         let q = (v.x * v.x + v.y * v.y + v.z * v.z) * T::of(0.25);
         // cos and sinc of half the angle, q its square
-        let c = T::ONE - q * half * (T::ONE - q * (T::ONE / T::of(12.0)) * (T::ONE - q * (T::ONE / T::of(30.0))));
+        let c =
+            T::ONE - q * half * (T::ONE - q * (T::ONE / T::of(12.0)) * (T::ONE - q * (T::ONE / T::of(30.0))));
         let s = half
             * (T::ONE
-                - q * (T::ONE / T::of(6.0)) * (T::ONE - q * (T::ONE / T::of(20.0)) * (T::ONE - q * (T::ONE / T::of(42.0)))));
+                - q * (T::ONE / T::of(6.0))
+                    * (T::ONE - q * (T::ONE / T::of(20.0)) * (T::ONE - q * (T::ONE / T::of(42.0)))));
         Self::new(c, v.x * s, v.y * s, v.z * s)
     }
 
@@ -210,8 +212,9 @@ impl<T: Real> Quaternion<T> {
 
     /// Whether every component is finite.
     pub fn is_finite(self) -> bool {
-        let sum = self.w + self.x + self.y + self.z;
-        (sum - sum) == T::ZERO
+        // Zero times infinity or NaN is NaN, and equal to nothing.
+        let zero = T::ZERO;
+        self.w * zero == zero && self.x * zero == zero && self.y * zero == zero && self.z * zero == zero
     }
 }
 

@@ -1,0 +1,91 @@
+//! The disturbance observer: what wind, payload and model errors do to the vehicle.
+//!
+//! The accelerometer measures all forces but gravity, per unit mass. What the rotors' thrust does
+//! not explain of it is the disturbance: drag in the wind, a push, a mass that is not the one
+//! reckoned with. Fed back with the opposite sign it is gone before a position error has grown.
+//!
+//! d' = (f − f_thrust − d)/T, with f the specific force in the world and f_thrust = −z_B·P/m.
+
+use windhover_math::{Vector3, scalar};
+use windhover_parameters::parameters;
+
+use crate::pid::low_pass_share;
+
+parameters! {
+    /// The disturbance observer. Defaults: preset `windhover`.
+    pub struct ObserverParameters {
+        share: "OBS_SHARE", "", 0.0..=1.0, 1.0, "Share of the observed disturbance that is taken out";
+        time_constant: "OBS_TC", "s", 0.005..=10.0, 0.05, "Time constant of the observed disturbance";
+        limit: "OBS_MAX", "m/s^2", 0.0..=30.0, 12.0, "Largest disturbance that is believed";
+    }
+}
+
+impl ObserverParameters {
+    /// The paper has no observer.
+    pub fn paper() -> Self {
+        Self {
+            share: 0.0,
+            ..Self::default()
+        }
+    }
+}
+
+/// The disturbance as believed so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisturbanceObserver {
+    disturbance: Vector3,
+}
+
+impl DisturbanceObserver {
+    /// Takes in the mean `specific_force` over the last `dt` seconds and the part of it that the
+    /// rotors' `thrust` made, both in the world (NED) and in m/s².
+    pub fn step(
+        &mut self,
+        parameters: &ObserverParameters,
+        specific_force: Vector3,
+        thrust: Vector3,
+        dt: f32,
+    ) {
+        let unexplained = scalar::limit_norm(specific_force - thrust, parameters.limit);
+        let share = low_pass_share(parameters.time_constant, dt);
+        self.disturbance += (unexplained - self.disturbance) * share;
+    }
+
+    /// The disturbance to be taken out, NED, m/s².
+    pub fn disturbance(&self, parameters: &ObserverParameters) -> Vector3 {
+        self.disturbance * parameters.share
+    }
+
+    /// Forgets the disturbance.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn follows_a_step_as_a_first_order_filter_does() {
+        let parameters = ObserverParameters::default();
+        let mut observer = DisturbanceObserver::default();
+        let wind = Vector3::new(1.0, -2.0, 0.5);
+        let thrust = Vector3::new(0.3, 0.2, -9.8);
+        for _ in 0..100 {
+            observer.step(&parameters, wind + thrust, thrust, 0.0005);
+        }
+        let exact = wind * (1.0 - libm::exp(-1.0)) as f32;
+        assert!(scalar::norm(observer.disturbance(&parameters) - exact) < 0.01);
+    }
+
+    #[test]
+    fn believes_no_more_than_its_limit() {
+        let parameters = ObserverParameters::default();
+        let mut observer = DisturbanceObserver::default();
+        for _ in 0..1000 {
+            observer.step(&parameters, Vector3::new(1e4, 0.0, 0.0), Vector3::zeros(), 0.01);
+        }
+        assert!(observer.disturbance(&parameters).x <= parameters.limit);
+    }
+}
