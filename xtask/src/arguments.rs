@@ -76,10 +76,7 @@ mod tests {
     #[test]
     fn bench_hands_its_arguments_on() {
         let arguments = vec!["--sample-count".to_string(), "3".to_string()];
-        assert_eq!(
-            parse_line("bench --sample-count 3"),
-            Ok(Task::Bench(arguments))
-        );
+        assert_eq!(parse_line("bench --sample-count 3"), Ok(Task::Bench(arguments)));
     }
 
     #[test]

@@ -43,8 +43,7 @@ const SYMBOL_SIZE: usize = 16;
 impl Elf {
     pub fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Self::parse(&bytes)
-            .ok_or_else(|| format!("{}: not a whole 32-bit ELF file", path.display()))
+        Self::parse(&bytes).ok_or_else(|| format!("{}: not a whole 32-bit ELF file", path.display()))
     }
 
     pub fn parse(bytes: &[u8]) -> Option<Self> {
@@ -124,11 +123,7 @@ impl File<'_> {
     }
 
     fn section_headers(&self) -> Option<Vec<Header>> {
-        let (table, size, count) = (
-            self.word(0x20)? as usize,
-            self.half(0x2e)?,
-            self.half(0x30)?,
-        );
+        let (table, size, count) = (self.word(0x20)? as usize, self.half(0x2e)?, self.half(0x30)?);
         let header = |index: u16| {
             let at = table.checked_add(usize::from(index) * usize::from(size))?;
             Some(Header {
@@ -145,11 +140,7 @@ impl File<'_> {
     }
 
     fn segments(&self) -> Option<Vec<Segment>> {
-        let (table, size, count) = (
-            self.word(0x1c)? as usize,
-            self.half(0x2a)?,
-            self.half(0x2c)?,
-        );
+        let (table, size, count) = (self.word(0x1c)? as usize, self.half(0x2a)?, self.half(0x2c)?);
         let mut segments = Vec::new();
         for index in 0..usize::from(count) {
             let at = table.checked_add(index * usize::from(size))?;
@@ -194,36 +185,25 @@ mod tests {
         for half in [0x34u16, 32, 1, 40, 4, 3] {
             file.extend(half.to_le_bytes());
         }
-        put(
-            &mut file,
-            &[PT_LOAD, 0, 0x2000_0000, 0x0801_0000, 8, 8, 5, 4],
-        );
+        put(&mut file, &[PT_LOAD, 0, 0x2000_0000, 0x0801_0000, 8, 8, 5, 4]);
         put(&mut file, &[23, 0x0801_0004, 4, 0]);
         file.extend(strings);
         put(&mut file, &[0; 10]);
         put(&mut file, &[1, 1, SHF_ALLOC, 0x0801_0000, 0, 8, 0, 0, 4, 0]);
         put(&mut file, &[7, SHT_SYMTAB, 0, 0, symbols, 16, 3, 0, 4, 16]);
-        put(
-            &mut file,
-            &[15, 3, 0, 0, names, strings.len() as u32, 0, 0, 1, 0],
-        );
+        put(&mut file, &[15, 3, 0, 0, names, strings.len() as u32, 0, 0, 1, 0]);
         file
     }
 
     fn put(file: &mut Vec<u8>, words: &[u32]) {
-        words
-            .iter()
-            .for_each(|word| file.extend(word.to_le_bytes()));
+        words.iter().for_each(|word| file.extend(word.to_le_bytes()));
     }
 
     #[test]
     fn sections_segments_and_symbols_are_read() {
         let elf = Elf::parse(&sample()).unwrap();
         let text = elf.section(".text").unwrap();
-        assert_eq!(
-            (text.address, text.size, text.allocated),
-            (0x0801_0000, 8, true)
-        );
+        assert_eq!((text.address, text.size, text.allocated), (0x0801_0000, 8, true));
         assert!(!elf.section(".symtab").unwrap().allocated);
         let step = elf.symbol("step").unwrap();
         assert_eq!((step.address, step.size), (0x0801_0004, 4));

@@ -43,13 +43,8 @@ pub fn size() -> Outcome {
         println!("{name:16} {address:#010x} {size:8}");
     }
     let within = |ranges: &[Range<u64>]| -> u64 {
-        let inside =
-            |section: &&(&str, u64, u64)| ranges.iter().any(|range| range.contains(&section.2));
-        sections
-            .iter()
-            .filter(inside)
-            .map(|section| section.1)
-            .sum()
+        let inside = |section: &&(&str, u64, u64)| ranges.iter().any(|range| range.contains(&section.2));
+        sections.iter().filter(inside).map(|section| section.1).sum()
     };
     // initial values of .data lie in flash and are copied to RAM
     let initial: u64 = sections
@@ -73,9 +68,7 @@ pub fn size() -> Outcome {
 /// Builds by the alias that users type, and says where the ELF is.
 fn build() -> Result<PathBuf, String> {
     run(&mut cargo(["firmware", "--locked"]))?;
-    Ok(target_directory()?
-        .join(BOARD)
-        .join("release/windhover-firmware"))
+    Ok(target_directory()?.join(BOARD).join("release/windhover-firmware"))
 }
 
 fn length(range: &Range<u64>) -> u64 {
@@ -91,22 +84,15 @@ fn problems(elf: &Elf) -> Vec<String> {
     }
     match elf.section(".text") {
         Some(text) if (STORAGE.end..FLASH.end).contains(&u64::from(text.address)) => {}
-        _ => problems.push(format!(
-            ".text does not start at or above {:#010x}",
-            STORAGE.end
-        )),
+        _ => problems.push(format!(".text does not start at or above {:#010x}", STORAGE.end)),
     }
-    for (name, address) in [
-        ("__storage_start", STORAGE.start),
-        ("__storage_end", STORAGE.end),
-    ] {
+    for (name, address) in [("__storage_start", STORAGE.start), ("__storage_end", STORAGE.end)] {
         if elf.symbol(name).map(|symbol| u64::from(symbol.address)) != Some(address) {
             problems.push(format!("{name} is not {address:#010x}"));
         }
     }
     for segment in &elf.segments {
-        let flashed =
-            u64::from(segment.address)..u64::from(segment.address) + u64::from(segment.size);
+        let flashed = u64::from(segment.address)..u64::from(segment.address) + u64::from(segment.size);
         if flashed.start < FLASH.start || flashed.end > FLASH.end {
             problems.push(format!("{flashed:#010x?} does not lie in flash"));
         }
@@ -203,7 +189,8 @@ mod tests {
 
     #[test]
     fn sizes_are_read_and_everything_else_is_passed_over() {
-        let table = "windhover-firmware  :\nsection  size  addr\n.text  7132  134283264\n.defmt 17 0\nTotal 7149\n";
+        let table =
+            "windhover-firmware  :\nsection  size  addr\n.text  7132  134283264\n.defmt 17 0\nTotal 7149\n";
         assert_eq!(
             parse_sizes(table),
             [(".text", 7132, 0x0801_0000), (".defmt", 17, 0)]

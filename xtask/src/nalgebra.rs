@@ -20,9 +20,7 @@ pub fn has_no_std() -> Outcome {
 /// Judges cargo's inverted feature tree.
 fn verdict(tree: &str) -> Outcome {
     if !tree.starts_with("nalgebra v") {
-        return Err(format!(
-            "cargo's tree does not begin with nalgebra:\n{tree}"
-        ));
+        return Err(format!("cargo's tree does not begin with nalgebra:\n{tree}"));
     }
     match tree.contains("nalgebra feature \"std\"") {
         true => Err(format!("somebody asks nalgebra for `std`:\n{tree}")),

@@ -25,9 +25,7 @@ pub fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command
 /// Runs a command with its output shown as it comes.
 pub fn run(command: &mut Command) -> Outcome {
     announce(command);
-    let status = command
-        .status()
-        .map_err(|error| describe(command, &error))?;
+    let status = command.status().map_err(|error| describe(command, &error))?;
     match status.success() {
         true => Ok(()),
         false => Err(format!("`{}` failed: {status}", line(command))),
@@ -46,11 +44,7 @@ pub fn read(command: &mut Command) -> Result<String, String> {
     let output = capture(command)?;
     if !output.status.success() {
         let words = String::from_utf8_lossy(&output.stderr);
-        return Err(format!(
-            "`{}` failed: {}\n{words}",
-            line(command),
-            output.status
-        ));
+        return Err(format!("`{}` failed: {}\n{words}", line(command), output.status));
     }
     String::from_utf8(output.stdout).map_err(|error| describe(command, &error))
 }
@@ -93,9 +87,7 @@ fn describe(command: &Command, error: &dyn std::error::Error) -> String {
 
 /// A command as one would type it; the program without its folder.
 fn line(command: &Command) -> String {
-    let program = Path::new(command.get_program())
-        .file_stem()
-        .unwrap_or_default();
+    let program = Path::new(command.get_program()).file_stem().unwrap_or_default();
     let words = std::iter::once(program).chain(command.get_args());
     words
         .map(|word| word.to_string_lossy())

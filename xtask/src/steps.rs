@@ -48,11 +48,7 @@ const STEPS: &[Step] = &[
         "the proof notices an unwrap in a step",
         no_panic::fails_to_link,
     ),
-    step(
-        "nalgebra",
-        "nalgebra has no feature `std`",
-        nalgebra::has_no_std,
-    ),
+    step("nalgebra", "nalgebra has no feature `std`", nalgebra::has_no_std),
     step(
         "firmware",
         "the firmware links, and its sections lie where they must",
@@ -103,10 +99,7 @@ pub fn test(only: &[String], fail_fast: bool) -> Result<bool, String> {
 fn choose(only: &[String]) -> Result<Vec<&'static Step>, String> {
     let known = |name: &String| STEPS.iter().any(|step| step.name == name);
     if let Some(unknown) = only.iter().find(|name| !known(name)) {
-        return Err(format!(
-            "there is no step `{unknown}`; the steps are\n{}",
-            list()
-        ));
+        return Err(format!("there is no step `{unknown}`; the steps are\n{}", list()));
     }
     let wanted = |step: &&Step| only.is_empty() || only.iter().any(|name| name == step.name);
     Ok(STEPS.iter().filter(wanted).collect())
@@ -131,8 +124,7 @@ fn summary(results: &[Finished]) -> String {
         writeln!(text, "{name:15} {verdict} {seconds:8.1} s").expect("a String takes all");
     }
     let passed = results.iter().filter(|step| step.passed).count();
-    writeln!(text, "{passed} passed, {} failed", results.len() - passed)
-        .expect("a String takes all");
+    writeln!(text, "{passed} passed, {} failed", results.len() - passed).expect("a String takes all");
     text
 }
 

@@ -21,7 +21,9 @@ extern "C" fn reset() -> ! {
             (&raw mut OUTPUT).write_volatile(output);
         }
     }
-    loop {}
+    loop {
+        core::hint::spin_loop();
+    }
 }
 
 unsafe extern "C" {
