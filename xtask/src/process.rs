@@ -9,10 +9,13 @@ use std::process::{Command, Output};
 /// Done, or one line or more that say why not.
 pub type Outcome = Result<(), String>;
 
-/// The workspace's folder.
-pub fn root() -> &'static Path {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().expect("xtask lies in the workspace")
+/// The workspace's folder: as `cargo run` says, or where this program was built.
+pub fn root() -> PathBuf {
+    let here = env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+    Path::new(&here)
+        .parent()
+        .expect("xtask lies in the workspace")
+        .into()
 }
 
 /// The same cargo that runs this program, at the workspace's root.
