@@ -1,2 +1,57 @@
-//! x
-fn main() {}
+//! What CI and developers run: `cargo xtask help`.
+
+mod arguments;
+mod elf;
+mod firmware;
+mod nalgebra;
+mod no_panic;
+mod process;
+mod steps;
+mod toolchain;
+
+use std::env;
+use std::process::ExitCode;
+
+use arguments::Task;
+
+fn main() -> ExitCode {
+    let task = match arguments::parse(env::args().skip(1)) {
+        Ok(task) => task,
+        Err(message) => {
+            eprintln!("{message}\n\n{}", arguments::HELP);
+            return ExitCode::from(2);
+        }
+    };
+    let outcome = match task {
+        Task::Help => {
+            print!("{}", arguments::HELP);
+            Ok(())
+        }
+        Task::List => {
+            print!("{}", steps::list());
+            Ok(())
+        }
+        Task::Test { only, fail_fast } => match steps::test(&only, fail_fast) {
+            Ok(true) => Ok(()),
+            Ok(false) => return ExitCode::FAILURE, // the summary is the last word
+            Err(message) => Err(message),
+        },
+        Task::Bench(arguments) => bench(&arguments),
+        Task::Size => firmware::size(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn bench(arguments: &[String]) -> process::Outcome {
+    let mut command = process::cargo(["bench", "--locked", "--package", "windhover-sim"]);
+    if !arguments.is_empty() {
+        command.arg("--").args(arguments);
+    }
+    process::run(&mut command)
+}

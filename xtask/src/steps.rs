@@ -1,0 +1,224 @@
+//! The steps of `cargo xtask test`, and how they are run and summed up.
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use crate::process::{Outcome, cargo, run};
+use crate::toolchain::BOARD;
+use crate::{firmware, nalgebra, no_panic, toolchain};
+
+/// The core: what runs on the board and on the desktop alike.
+const CORE: [&str; 5] = [
+    "windhover-math",
+    "windhover-parameters",
+    "windhover-control",
+    "windhover-estimator",
+    "windhover-autopilot",
+];
+
+/// What exists on the board only; its desktop `main` only says so.
+const BOARD_ONLY: [&str; 2] = ["windhover-firmware", "windhover-no-panic"];
+
+struct Step {
+    name: &'static str,
+    what: &'static str,
+    run: fn() -> Outcome,
+}
+
+const STEPS: &[Step] = &[
+    step(
+        "toolchain",
+        "the board's target and LLVM's tools are installed",
+        toolchain::install,
+    ),
+    step("fmt", "the code is formatted", fmt),
+    step("clippy", "no warning on the desktop", clippy),
+    step("clippy-board", "no warning on the board", clippy_board),
+    step("test", "unit tests and flights, dev profile", tests),
+    step("flights", "whole flights, release profile", flights),
+    step("doc", "the documentation builds without a warning", doc),
+    step("build-board", "the core builds for the board", build_board),
+    step(
+        "no-panic",
+        "no panic can be reached from the inner and outer step",
+        no_panic::links,
+    ),
+    step(
+        "no-panic-fails",
+        "the proof notices an unwrap in a step",
+        no_panic::fails_to_link,
+    ),
+    step("nalgebra", "nalgebra has no feature `std`", nalgebra::has_no_std),
+    step(
+        "firmware",
+        "the firmware links, and its sections lie where they must",
+        firmware::check,
+    ),
+];
+
+const fn step(name: &'static str, what: &'static str, run: fn() -> Outcome) -> Step {
+    Step { name, what, run }
+}
+
+/// One line a step.
+pub fn list() -> String {
+    STEPS
+        .iter()
+        .map(|step| format!("{:15} {}\n", step.name, step.what))
+        .collect()
+}
+
+/// Runs all steps, or those named, and reports on each. Whether all passed; an error if there is
+/// no such step.
+pub fn test(only: &[String], fail_fast: bool) -> Result<bool, String> {
+    let chosen = choose(only)?;
+    let mut results = Vec::new();
+    for step in chosen {
+        println!("\n== {}: {}", step.name, step.what);
+        let start = Instant::now();
+        let outcome = (step.run)();
+        let seconds = start.elapsed().as_secs_f64();
+        match &outcome {
+            Ok(()) => println!("== {}: passed in {seconds:.1} s", step.name),
+            Err(message) => println!("{message}\n== {}: FAILED in {seconds:.1} s", step.name),
+        }
+        let passed = outcome.is_ok();
+        results.push(Finished {
+            name: step.name,
+            passed,
+            seconds,
+        });
+        if fail_fast && !passed {
+            break;
+        }
+    }
+    print!("\n{}", summary(&results));
+    Ok(results.iter().all(|step| step.passed))
+}
+
+fn choose(only: &[String]) -> Result<Vec<&'static Step>, String> {
+    let known = |name: &String| STEPS.iter().any(|step| step.name == name);
+    if let Some(unknown) = only.iter().find(|name| !known(name)) {
+        return Err(format!("there is no step `{unknown}`; the steps are\n{}", list()));
+    }
+    let wanted = |step: &&Step| only.is_empty() || only.iter().any(|name| name == step.name);
+    Ok(STEPS.iter().filter(wanted).collect())
+}
+
+struct Finished {
+    name: &'static str,
+    passed: bool,
+    seconds: f64,
+}
+
+/// A table of the steps, and a last line that counts them.
+fn summary(results: &[Finished]) -> String {
+    let mut text = String::new();
+    for Finished {
+        name,
+        passed,
+        seconds,
+    } in results
+    {
+        let verdict = if *passed { "passed" } else { "FAILED" };
+        writeln!(text, "{name:15} {verdict} {seconds:8.1} s").expect("a String takes all");
+    }
+    let passed = results.iter().filter(|step| step.passed).count();
+    writeln!(text, "{passed} passed, {} failed", results.len() - passed).expect("a String takes all");
+    text
+}
+
+fn fmt() -> Outcome {
+    run(&mut cargo(["fmt", "--all", "--check"]))
+}
+
+fn clippy() -> Outcome {
+    run(&mut cargo([
+        "clippy",
+        "--locked",
+        "--workspace",
+        "--all-targets",
+        "--",
+        "--deny",
+        "warnings",
+    ]))
+}
+
+fn clippy_board() -> Outcome {
+    let mut command = cargo(["clippy", "--locked", "--target", BOARD]);
+    command.args(packages("--package", CORE.iter().chain(&BOARD_ONLY)));
+    run(command.args(["--", "--deny", "warnings"]))
+}
+
+fn tests() -> Outcome {
+    let mut command = cargo(["test", "--locked", "--workspace"]);
+    run(command.args(packages("--exclude", &BOARD_ONLY)))
+}
+
+fn flights() -> Outcome {
+    run(&mut cargo([
+        "test",
+        "--locked",
+        "--release",
+        "--package",
+        "windhover-tests",
+    ]))
+}
+
+fn doc() -> Outcome {
+    let mut command = cargo(["doc", "--locked", "--workspace", "--no-deps"]);
+    run(command.env("RUSTDOCFLAGS", "--deny warnings"))
+}
+
+fn build_board() -> Outcome {
+    let mut command = cargo(["build", "--locked", "--release", "--target", BOARD]);
+    run(command.args(packages("--package", &CORE)))
+}
+
+fn packages<'a>(
+    option: &'a str,
+    names: impl IntoIterator<Item = &'a &'static str>,
+) -> impl Iterator<Item = &'a str> {
+    names.into_iter().flat_map(move |name| [option, *name])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_listed() {
+        for (index, step) in STEPS.iter().enumerate() {
+            assert!(STEPS[..index].iter().all(|other| other.name != step.name));
+            assert!(list().contains(step.what));
+        }
+    }
+
+    #[test]
+    fn chosen_steps_keep_the_order_of_the_table() {
+        let names: Vec<_> = choose(&["doc".into(), "fmt".into()])
+            .unwrap()
+            .iter()
+            .map(|s| s.name)
+            .collect();
+        assert_eq!(names, ["fmt", "doc"]);
+        assert_eq!(choose(&[]).unwrap().len(), STEPS.len());
+        assert!(choose(&["fly".into()]).is_err());
+    }
+
+    #[test]
+    fn the_last_line_counts() {
+        let finished = |name, passed| Finished {
+            name,
+            passed,
+            seconds: 1.25,
+        };
+        let text = summary(&[
+            finished("fmt", true),
+            finished("doc", false),
+            finished("test", true),
+        ]);
+        assert!(text.contains("doc             FAILED      1.2 s\n"));
+        assert!(text.ends_with("\n2 passed, 1 failed\n"));
+    }
+}
