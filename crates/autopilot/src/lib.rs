@@ -1,8 +1,27 @@
-//! The core.
+//! The core of the autopilot: everything that decides a motor command, in two steps.
+//!
+//! [`Inner`] runs at every sample: sensing border, attitude predictor, attitude control, mixer.
+//! [`Outer`] runs 250 times a second on a frozen [`Snapshot`]: estimate, mission, position
+//! control. [`schedule`] says when results pass from one to the other, so that firmware, desktop
+//! and replay do exactly the same however long each step takes.
+//!
+//! Nothing here knows an executor, a clock or a static. Time, samples, commands and parameters
+//! come in as data ([`io`], [`queue`]); motor commands and reports go out as data.
 #![no_std]
+
+pub mod inner;
 pub mod io;
 pub mod mission;
+pub mod outer;
+pub mod parameters;
 pub mod queue;
 pub mod schedule;
 pub mod sensing;
 pub mod trajectory;
+
+pub use inner::{Inner, InnerConfig, InnerParameters, MotorState, Snapshot, Stop, TickOutput};
+pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
+pub use outer::{Blocker, Estimate, Outer, OuterReport, OuterResult, Phase, Refused};
+pub use parameters::{Parameters, Preset};
+pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues};
+pub use schedule::Schedule;

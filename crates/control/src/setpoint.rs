@@ -1,6 +1,6 @@
 //! Where the vehicle should be, and how that moves.
 
-use windhover_math::Vector3;
+use windhover_math::{Vector3, scalar};
 
 /// A point of a trajectory with its derivatives: what position control follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,5 +30,14 @@ impl TrajectorySetpoint {
             heading,
             heading_rate: 0.0,
         }
+    }
+
+    /// Whether every number is finite: what comes from outside has to be.
+    pub fn is_finite(&self) -> bool {
+        [self.position, self.velocity, self.acceleration, self.jerk]
+            .into_iter()
+            .all(scalar::is_finite)
+            && self.heading.is_finite()
+            && self.heading_rate.is_finite()
     }
 }

@@ -387,8 +387,7 @@ mod tests {
     }
 
     fn any_euler() -> impl Strategy<Value = Euler<f64>> {
-        (-PI..PI, -FRAC_PI_2..FRAC_PI_2, -PI..PI)
-            .prop_map(|(roll, pitch, yaw)| euler(roll, pitch, yaw))
+        (-PI..PI, -FRAC_PI_2..FRAC_PI_2, -PI..PI).prop_map(|(roll, pitch, yaw)| euler(roll, pitch, yaw))
     }
 
     /// Euler angles of which the pitch is far enough from ±90° for the others to be sharp.
@@ -436,9 +435,7 @@ mod tests {
             let grown = Quaternion::new(q.w * s, q.x * s, q.y * s, q.z * s);
             let error = libm::sqrt(grown.renormalized().dot(grown.renormalized())) - 1.0;
             // (1 + e)(3 − (1 + e)²)/2 = 1 − 3/2 e² − e³/2
-            assert!(
-                (error + 1.5 * excess * excess).abs() <= excess.abs() * excess * excess + 1e-15
-            );
+            assert!((error + 1.5 * excess * excess).abs() <= excess.abs() * excess * excess + 1e-15);
         }
     }
 
@@ -498,8 +495,7 @@ mod tests {
                     let error = (matrix::of_euler(again) - exact).amax();
                     assert!(error < 1e-14, "{e:?} {again:?} {error:e}");
                     let again = Quaternion::from_euler(single(e)).to_euler();
-                    let error =
-                        (Quaternion::from_euler(again).to_matrix().map(f64::from) - exact).amax();
+                    let error = (Quaternion::from_euler(again).to_matrix().map(f64::from) - exact).amax();
                     assert!(error < 2e-6, "{e:?} {again:?} {error:e}");
                 }
             }

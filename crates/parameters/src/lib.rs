@@ -70,6 +70,8 @@ pub enum Refusal {
         /// Largest value that is accepted.
         max: f32,
     },
+    /// With it, the parameters together describe nothing that works.
+    Inconsistent,
 }
 
 impl core::fmt::Display for Refusal {
@@ -77,6 +79,7 @@ impl core::fmt::Display for Refusal {
         match self {
             Self::Unknown => f.write_str("there is no such parameter"),
             Self::OutOfRange { min, max } => write!(f, "the range is {min} to {max}"),
+            Self::Inconsistent => f.write_str("it does not go with the other parameters"),
         }
     }
 }

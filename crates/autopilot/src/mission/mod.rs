@@ -14,7 +14,7 @@ pub mod route;
 
 pub use action::{Action, Reason, Refusal};
 pub use check::check;
-pub use executor::{MissionEvent, MissionExecutor, MissionParameters};
+pub use executor::{MissionEvent, MissionEvents, MissionExecutor, MissionParameters};
 pub use item::{MAX_ITEMS, MissionItem};
 
 /// Where missions are stored: two slots, one of them valid, the other one for the next upload.

@@ -1,0 +1,368 @@
+//! The inner step: from one sample to four motor commands, a thousand or more times a second.
+//!
+//! At each tick, in this order: the sample and the latch of urgent commands; at a boundary, the
+//! outer result that waits; predictor, attitude control, mixer; at a boundary, the snapshot for
+//! the outer step. This order and [`crate::schedule`] are what replay repeats.
+//!
+//! Motors turn only while two independent things allow it: the adopted outer result says so, and
+//! the inner step's own latch is open. Kill, disarm and 20 ms without a sample close the latch in
+//! their tick; it opens only after the outer step has seen that and has itself disarmed.
+
+use windhover_control::attitude::{AttitudeController, AttitudeEstimate, AttitudeGains};
+use windhover_control::mixer::{FULL_COMMAND, Mixed, Mixer, Wrench};
+use windhover_control::pid::low_pass_share;
+use windhover_control::position::AttitudeSetpoint;
+use windhover_estimator::AttitudePredictor;
+use windhover_math::{GRAVITY, Quaternion, Vector3};
+
+use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
+use crate::outer::OuterResult;
+use crate::parameters::Parameters;
+use crate::queue::{OuterInputs, Queues};
+use crate::schedule::{OUTER_RATE, Schedule};
+use crate::sensing::{BoardRotation, CalibrationParameters, Inertial, convert};
+
+/// Without a sample for so long, the motors stop, µs.
+const IMU_TIMEOUT: u64 = 20_000;
+
+/// Thrust of the descent when position or the outer loop is lost, as a share of the weight.
+const DESCENT_THRUST: f32 = 0.95;
+
+/// What is fixed when the core is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InnerConfig {
+    /// Samples per second: a multiple of [`OUTER_RATE`].
+    pub imu_rate: u32,
+    /// How the sensor sits in the vehicle.
+    pub rotation: BoardRotation,
+}
+
+impl InnerConfig {
+    /// Ticks between two boundaries.
+    pub fn k(&self) -> u32 {
+        (self.imu_rate / OUTER_RATE).max(1)
+    }
+}
+
+/// The parameters of the inner step, in the form in which it uses them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InnerParameters {
+    gains: AttitudeGains,
+    mixer: Mixer,
+    calibration: CalibrationParameters,
+    idle: u16,
+    rotor_lag: f32,
+    weight: f32,
+}
+
+impl InnerParameters {
+    /// From the table; `None` when the vehicle that it describes cannot fly.
+    pub fn new(parameters: &Parameters) -> Option<Self> {
+        Some(Self {
+            gains: AttitudeGains::new(&parameters.attitude, parameters.vehicle.inertia()),
+            mixer: Mixer::new(&parameters.vehicle, parameters.motor.idle)?,
+            calibration: parameters.calibration,
+            idle: (parameters.motor.idle * FULL_COMMAND) as u16,
+            rotor_lag: parameters.vehicle.rotor_lag,
+            weight: parameters.vehicle.mass * GRAVITY,
+        })
+    }
+
+    /// Thrust that lets a level vehicle sink slowly, N.
+    pub fn descent_thrust(&self) -> f32 {
+        DESCENT_THRUST * self.weight
+    }
+}
+
+/// Whether the motors may turn, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MotorState {
+    /// They may not.
+    #[default]
+    Disarmed,
+    /// On the ground, all at idle.
+    Idle,
+    /// As control wants.
+    Run,
+}
+
+/// Why the inner step stopped the motors by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// An urgent command.
+    Commanded(Urgent),
+    /// No sample for 20 ms.
+    ImuMissing,
+}
+
+/// What the outer step works on: everything it sees of one period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// The tick of the boundary.
+    pub tick: u32,
+    /// Its time, µs since start.
+    pub time: u64,
+    /// Measurements since the last snapshot.
+    pub increments: Increments,
+    /// Whether the inner step keeps the motors stopped.
+    pub stopped: Option<Stop>,
+    /// What had arrived in the queues.
+    pub inputs: OuterInputs,
+}
+
+/// What one tick gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TickOutput {
+    /// For the motors, now.
+    pub motors: MotorCommand,
+    /// At a boundary: what was done there.
+    pub record: Option<ScheduleRecord>,
+    /// At a boundary where the outer step was idle: its next work.
+    pub snapshot: Option<Snapshot>,
+}
+
+/// The inner step with its memory.
+#[derive(Clone, Debug)]
+pub struct Inner {
+    config: InnerConfig,
+    parameters: InnerParameters,
+    schedule: Schedule,
+    predictor: AttitudePredictor,
+    controller: AttitudeController,
+    setpoint: AttitudeSetpoint,
+    /// Time since the setpoint's snapshot, s.
+    setpoint_age: f32,
+    motors: MotorState,
+    landed: bool,
+    stopped: Option<Stop>,
+    /// Tick at which the motors were stopped.
+    stop_tick: u32,
+    descending: bool,
+    time: u64,
+    sample_time: u64,
+    inertial: Inertial,
+    torque_shortfall: Vector3,
+    rotor_thrust: f32,
+    increments: Increments,
+}
+
+impl Inner {
+    /// Disarmed and level, before its first tick.
+    pub fn new(config: InnerConfig, parameters: InnerParameters) -> Self {
+        Self {
+            config,
+            parameters,
+            schedule: Schedule::new(config.k()),
+            predictor: AttitudePredictor::default(),
+            controller: AttitudeController::default(),
+            setpoint: AttitudeSetpoint {
+                attitude: Quaternion::IDENTITY,
+                rate: Vector3::zeros(),
+                thrust: 0.0,
+            },
+            setpoint_age: 0.0,
+            motors: MotorState::Disarmed,
+            landed: true,
+            stopped: None,
+            stop_tick: 0,
+            descending: false,
+            time: 0,
+            sample_time: 0,
+            inertial: Inertial::default(),
+            torque_shortfall: Vector3::zeros(),
+            rotor_thrust: 0.0,
+            increments: Increments::default(),
+        }
+    }
+
+    /// The schedule: which tick comes, and whether it is a boundary.
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Attitude as predicted at the last tick.
+    pub fn attitude(&self) -> Quaternion {
+        self.predictor.attitude()
+    }
+
+    /// One tick. `ready` holds the outer step's result once there is one; it is taken at a
+    /// boundary only. `queues` are frozen into the snapshot when there is one.
+    #[inline]
+    pub fn tick(
+        &mut self,
+        input: &InnerInput,
+        ready: &mut Option<OuterResult>,
+        queues: &mut Queues,
+    ) -> TickOutput {
+        let dt = self.sample(&input.imu);
+        self.latch(input);
+        let result = if self.schedule.at_boundary() {
+            ready.take()
+        } else {
+            None
+        };
+        let adopted = result.is_some();
+        if let Some(result) = result {
+            self.adopt(result);
+        }
+        let tick = self.schedule.tick();
+        let record = self.schedule.advance(adopted);
+        self.watch_outer();
+        let motors = self.step(dt);
+        let taken = record.is_some_and(|record| record.snapshot_taken);
+        TickOutput {
+            motors,
+            record,
+            snapshot: if taken {
+                Some(self.snapshot(tick, queues))
+            } else {
+                None
+            },
+        }
+    }
+
+    /// Takes in a sample, or the lack of one; the time since the last tick in s.
+    #[inline]
+    fn sample(&mut self, imu: &Imu) -> f32 {
+        let nominal = 1.0 / self.config.imu_rate as f32;
+        let elapsed = imu.time().wrapping_sub(self.time) as u32 as f32 * 1e-6;
+        let dt = elapsed.clamp(0.25 * nominal, 4.0 * nominal);
+        self.time = imu.time();
+        match imu {
+            Imu::Sample { counts, time } => {
+                self.inertial = convert(counts, &self.config.rotation, &self.parameters.calibration);
+                self.sample_time = *time;
+            }
+            // The vehicle turns on as it did.
+            Imu::Missing { .. } => self.increments.missing = self.increments.missing.saturating_add(1),
+        }
+        dt
+    }
+
+    /// Closes the latch where something urgent says so.
+    #[inline]
+    fn latch(&mut self, input: &InnerInput) {
+        let silent = self.time.wrapping_sub(self.sample_time) > IMU_TIMEOUT;
+        let reason = match input.urgent {
+            Some(urgent) => Stop::Commanded(urgent),
+            None if silent && self.motors != MotorState::Disarmed => Stop::ImuMissing,
+            None => return,
+        };
+        self.stopped = Some(reason);
+        self.stop_tick = self.schedule.tick();
+        self.motors = MotorState::Disarmed;
+    }
+
+    /// Takes on an outer result, whole.
+    fn adopt(&mut self, result: OuterResult) {
+        if let Some(parameters) = result.parameters {
+            self.controller.retune(&self.parameters.gains, &parameters.gains);
+            self.parameters = parameters;
+        }
+        self.predictor.adopt(result.attitude, result.gyro_bias);
+        self.setpoint = result.setpoint;
+        self.setpoint_age = 0.0;
+        self.descending = false;
+        self.landed = result.landed;
+        // The latch opens when the outer step has disarmed after it had seen the stop.
+        let seen = result.tick.wrapping_sub(self.stop_tick) as i32 >= 0;
+        if seen && result.motors == MotorState::Disarmed {
+            self.stopped = None;
+        }
+        self.motors = match self.stopped {
+            None => result.motors,
+            Some(_) => MotorState::Disarmed,
+        };
+    }
+
+    /// After 100 ms without a result: level, and slowly down.
+    #[inline]
+    fn watch_outer(&mut self) {
+        if self.schedule.is_outer_silent() && !self.descending {
+            self.descending = true;
+            self.setpoint = AttitudeSetpoint {
+                attitude: Quaternion::from_heading(self.predictor.attitude().heading()),
+                rate: Vector3::zeros(),
+                thrust: self.parameters.descent_thrust(),
+            };
+        }
+    }
+
+    /// Predictor, attitude control and mixer.
+    #[inline]
+    fn step(&mut self, dt: f32) -> MotorCommand {
+        self.predictor.predict(self.inertial.rate, dt);
+        let force = self.predictor.since_mark().rotate(self.inertial.specific_force);
+        self.setpoint_age += dt;
+        let command = match self.motors {
+            MotorState::Disarmed => self.at_rest(MotorCommand::Disarmed),
+            MotorState::Idle => self.at_rest(MotorCommand::Idle(self.parameters.idle)),
+            MotorState::Run => self.run(dt),
+        };
+        self.increments.velocity += force * dt;
+        self.increments.duration += dt;
+        self.increments.ticks = self.increments.ticks.saturating_add(1);
+        self.increments.thrust += self.rotor_thrust * dt;
+        command
+    }
+
+    fn at_rest(&mut self, command: MotorCommand) -> MotorCommand {
+        self.controller.reset_integrals();
+        self.torque_shortfall = Vector3::zeros();
+        self.rotor_thrust = 0.0;
+        command
+    }
+
+    #[inline]
+    fn run(&mut self, dt: f32) -> MotorCommand {
+        let estimate = AttitudeEstimate {
+            attitude: self.predictor.attitude(),
+            rate: self.predictor.rate(),
+        };
+        let age = if self.descending { 0.0 } else { self.setpoint_age };
+        let torque = self.controller.step(
+            &self.parameters.gains,
+            &self.setpoint,
+            age,
+            &estimate,
+            self.torque_shortfall,
+            dt,
+        );
+        let demand = Wrench {
+            thrust: self.setpoint.thrust,
+            torque,
+        };
+        let mixed = self.parameters.mixer.mix(&demand, self.landed);
+        self.account(&demand, &mixed, dt);
+        MotorCommand::Run(mixed.command)
+    }
+
+    /// Keeps what the mixer changed, and what thrust the rotors should have by now.
+    #[inline]
+    fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32) {
+        self.torque_shortfall = mixed.applied.torque - demand.torque;
+        let share = low_pass_share(self.parameters.rotor_lag, dt);
+        self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * share;
+        self.increments.thrust_shortfall += (mixed.applied.thrust - demand.thrust) * dt;
+        self.increments.saturated = self
+            .increments
+            .saturated
+            .saturating_add(u16::from(mixed.saturated));
+    }
+
+    /// Freezes what has come together since the last snapshot.
+    fn snapshot(&mut self, tick: u32, queues: &mut Queues) -> Snapshot {
+        let rotation = self.predictor.mark();
+        let increments = Increments {
+            rotation,
+            ..core::mem::take(&mut self.increments)
+        };
+        Snapshot {
+            tick,
+            time: self.time,
+            increments,
+            stopped: self.stopped,
+            inputs: queues.freeze(),
+        }
+    }
+}

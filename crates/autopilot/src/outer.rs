@@ -1,0 +1,460 @@
+//! The outer step: from a snapshot to an attitude and a thrust, 250 times a second.
+//!
+//! It sees nothing but its snapshot and the stored missions, so that the same snapshots give the
+//! same results wherever and however slowly it runs.
+
+use heapless::Vec;
+use windhover_control::TrajectorySetpoint;
+use windhover_control::observer::DisturbanceObserver;
+use windhover_control::position::{AttitudeSetpoint, PositionController, PositionEstimate};
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_math::{Quaternion, Vector3};
+
+use crate::inner::{InnerParameters, MotorState, Snapshot};
+use crate::mission::executor::{MissionEstimate, Surroundings};
+use crate::mission::route::Stored;
+use crate::mission::{MissionEvent, MissionEvents, MissionExecutor, MissionSource, check};
+use crate::parameters::Parameters;
+use crate::queue::{Command, ExternalEstimate, MissionCommit, ParameterWrite};
+use crate::schedule::OUTER_RATE;
+
+/// Without an estimate for so long, position is not known any more, µs.
+const ESTIMATE_TIMEOUT: u32 = 500_000;
+
+/// Above the place of arming by so much, the vehicle flies, m.
+const AIRBORNE_HEIGHT: f32 = 0.3;
+
+/// What the inner step adopts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OuterResult {
+    /// Tick of the snapshot that it was made from.
+    pub tick: u32,
+    /// Attitude at that tick.
+    pub attitude: Quaternion,
+    /// Gyro bias, rad/s.
+    pub gyro_bias: Vector3,
+    /// Whether the motors may turn.
+    pub motors: MotorState,
+    /// Whether the vehicle is on the ground.
+    pub landed: bool,
+    /// What attitude control is to reach.
+    pub setpoint: AttitudeSetpoint,
+    /// New parameters of the inner step, when they have changed.
+    pub parameters: Option<InnerParameters>,
+    /// What is told to those who watch.
+    pub report: OuterReport,
+}
+
+/// What the outer step tells those who watch: log, ground station, desktop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OuterReport {
+    /// Phase of flight.
+    pub phase: Phase,
+    /// The estimate that control worked with.
+    pub estimate: Estimate,
+    /// The point of the path that control followed; `None` when it followed none.
+    pub trajectory: Option<TrajectorySetpoint>,
+    /// The disturbance as observed, NED, m/s².
+    pub disturbance: Vector3,
+    /// What happened in the mission.
+    pub events: MissionEvents,
+    /// Commands and writes that were refused.
+    pub refusals: Vec<Refused, 8>,
+}
+
+/// Phase of flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// Motors may not turn.
+    #[default]
+    Disarmed,
+    /// Motors idle on the ground.
+    Armed,
+    /// Flying a mission.
+    Mission,
+    /// Following setpoints from outside.
+    Offboard,
+}
+
+/// Something that was asked for and not done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refused {
+    /// A command, and why.
+    Command(Command, Blocker),
+    /// A write to the parameter table, and why.
+    Parameter(ParameterWrite, windhover_parameters::Refusal),
+}
+
+/// A named reason not to do something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blocker {
+    /// Position and attitude are not known.
+    NoEstimate,
+    /// The motors are not armed.
+    NotArmed,
+    /// The vehicle is in flight.
+    InFlight,
+    /// There is no mission that can be flown.
+    NoMission,
+    /// No setpoint has come from outside.
+    NoSetpoint,
+    /// The inner step keeps the motors stopped.
+    Stopped,
+}
+
+/// What is believed of the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Position, NED, m from home.
+    pub position: Vector3,
+    /// Velocity, NED, m/s.
+    pub velocity: Vector3,
+    /// Attitude, body to world.
+    pub attitude: Quaternion,
+    /// How old the last word from outside is, µs; `None` before the first.
+    pub age: Option<u32>,
+}
+
+impl Estimate {
+    fn is_known(&self) -> bool {
+        self.age.is_some_and(|age| age < ESTIMATE_TIMEOUT)
+    }
+}
+
+/// The outer step with its memory.
+#[derive(Clone, Debug)]
+pub struct Outer {
+    parameters: Parameters,
+    inner: InnerParameters,
+    frame: LocalFrame,
+    stored: Option<Stored>,
+    phase: Phase,
+    landed: bool,
+    /// Height (down, m) at which the vehicle was armed.
+    ground: f32,
+    mission: Option<MissionExecutor>,
+    offboard: Option<TrajectorySetpoint>,
+    estimate: Estimate,
+    observer: DisturbanceObserver,
+    position: PositionController,
+    time: Option<u64>,
+    inner_changed: bool,
+}
+
+impl Outer {
+    /// Disarmed, at the place `home`. `None` when the parameters describe no vehicle that flies.
+    pub fn new(parameters: Parameters, home: GlobalPosition) -> Option<Self> {
+        Some(Self {
+            inner: InnerParameters::new(&parameters)?,
+            parameters,
+            frame: LocalFrame::new(home),
+            stored: None,
+            phase: Phase::Disarmed,
+            landed: true,
+            ground: 0.0,
+            mission: None,
+            offboard: None,
+            estimate: Estimate::default(),
+            observer: DisturbanceObserver::default(),
+            position: PositionController::default(),
+            time: None,
+            inner_changed: false,
+        })
+    }
+
+    /// The inner step's parameters as they are now.
+    pub fn inner_parameters(&self) -> InnerParameters {
+        self.inner
+    }
+
+    /// The parameter table as it is now.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// One step on one snapshot.
+    pub fn step<S: MissionSource + ?Sized>(&mut self, snapshot: &Snapshot, source: &S) -> OuterResult {
+        let dt = self.elapsed(snapshot.time);
+        let mut refusals = Vec::new();
+        for write in &snapshot.inputs.parameter {
+            self.write_parameter(write, &mut refusals);
+        }
+        self.update_estimate(snapshot, dt);
+        if let Some(setpoint) = snapshot
+            .inputs
+            .setpoint
+            .iter()
+            .rev()
+            .find(|setpoint| setpoint.is_finite())
+        {
+            self.offboard = Some(*setpoint);
+        }
+        if snapshot.stopped.is_some() {
+            self.disarm();
+        }
+        for command in &snapshot.inputs.command {
+            if let Err(blocker) = self.command(*command, source, snapshot.stopped.is_some()) {
+                let _ = refusals.push(Refused::Command(*command, blocker));
+            }
+        }
+        let mut events = MissionEvents::new();
+        let trajectory = self.trajectory(source, dt, &mut events);
+        let setpoint = self.control(trajectory.as_ref(), snapshot, dt);
+        self.result(
+            snapshot,
+            setpoint,
+            OuterReport {
+                phase: self.phase,
+                estimate: self.estimate,
+                trajectory,
+                disturbance: self.observer.disturbance(&self.parameters.observer),
+                events,
+                refusals,
+            },
+        )
+    }
+
+    fn result(
+        &mut self,
+        snapshot: &Snapshot,
+        setpoint: AttitudeSetpoint,
+        report: OuterReport,
+    ) -> OuterResult {
+        let changed = core::mem::take(&mut self.inner_changed);
+        OuterResult {
+            tick: snapshot.tick,
+            attitude: self.estimate.attitude,
+            gyro_bias: Vector3::zeros(),
+            motors: match self.phase {
+                Phase::Disarmed => MotorState::Disarmed,
+                Phase::Armed => MotorState::Idle,
+                Phase::Mission | Phase::Offboard => MotorState::Run,
+            },
+            landed: self.landed,
+            setpoint,
+            parameters: changed.then_some(self.inner),
+            report,
+        }
+    }
+
+    /// Time since the last snapshot, µs.
+    fn elapsed(&mut self, time: u64) -> u32 {
+        let nominal = 1_000_000 / OUTER_RATE;
+        let elapsed = self
+            .time
+            .map_or(nominal, |last| time.saturating_sub(last).min(1_000_000) as u32);
+        self.time = Some(time);
+        elapsed.max(nominal / 4)
+    }
+
+    fn write_parameter(&mut self, write: &ParameterWrite, refusals: &mut Vec<Refused, 8>) {
+        let old = self.parameters;
+        let outcome = self.parameters.set(usize::from(write.index), write.value);
+        let outcome = outcome.and_then(|()| {
+            InnerParameters::new(&self.parameters).ok_or(windhover_parameters::Refusal::Inconsistent)
+        });
+        match outcome {
+            Ok(inner) => {
+                self.position.retune(&old.position, &self.parameters.position);
+                self.inner_changed |= inner != self.inner;
+                self.inner = inner;
+            }
+            Err(refusal) => {
+                self.parameters = old;
+                let _ = refusals.push(Refused::Parameter(*write, refusal));
+            }
+        }
+    }
+
+    /// The estimate from outside; between two of them, the increments carry it on.
+    fn update_estimate(&mut self, snapshot: &Snapshot, dt: u32) {
+        let seconds = dt as f32 * 1e-6;
+        let before = self.estimate;
+        let measured = snapshot
+            .inputs
+            .external
+            .iter()
+            .rev()
+            .find(|external| external.is_valid());
+        self.estimate = match measured {
+            Some(ExternalEstimate {
+                position,
+                velocity,
+                attitude,
+            }) => Estimate {
+                position: *position,
+                velocity: *velocity,
+                attitude: *attitude,
+                age: Some(0),
+            },
+            None => Estimate {
+                position: before.position + before.velocity * seconds,
+                velocity: before.velocity,
+                attitude: (before.attitude * snapshot.increments.rotation).renormalized(),
+                age: before.age.map(|age| age.saturating_add(dt)),
+            },
+        };
+        self.observe(&before, snapshot);
+    }
+
+    /// Tells the observer what was measured while the vehicle turned from the last attitude to
+    /// this one.
+    fn observe(&mut self, before: &Estimate, snapshot: &Snapshot) {
+        let increments = &snapshot.increments;
+        if self.landed || before.age.is_none() || increments.duration <= 0.0 {
+            self.observer.reset();
+            return;
+        }
+        let per_second = 1.0 / increments.duration;
+        let force = before.attitude.rotate(increments.velocity) * per_second;
+        let down = (before.attitude.down_axis() + self.estimate.attitude.down_axis()) * 0.5;
+        let thrust = down * (-increments.thrust * per_second / self.parameters.vehicle.mass);
+        self.observer
+            .step(&self.parameters.observer, force, thrust, increments.duration);
+    }
+
+    /// Does what the operator wants, or says why not.
+    fn command<S: MissionSource + ?Sized>(
+        &mut self,
+        command: Command,
+        source: &S,
+        stopped: bool,
+    ) -> Result<(), Blocker> {
+        match command {
+            Command::Arm if stopped => Err(Blocker::Stopped),
+            Command::Arm if !self.estimate.is_known() => Err(Blocker::NoEstimate),
+            Command::Arm if self.phase == Phase::Disarmed => {
+                self.phase = Phase::Armed;
+                self.ground = self.estimate.position.z;
+                Ok(())
+            }
+            Command::Arm => Ok(()),
+            Command::Disarm if !self.landed => Err(Blocker::InFlight),
+            Command::Disarm => {
+                self.disarm();
+                Ok(())
+            }
+            Command::StartMission => self.start_mission(source),
+            Command::StartOffboard if self.phase == Phase::Disarmed => Err(Blocker::NotArmed),
+            Command::StartOffboard if self.offboard.is_none() => Err(Blocker::NoSetpoint),
+            Command::StartOffboard => {
+                self.phase = Phase::Offboard;
+                Ok(())
+            }
+            Command::CommitMission(commit) => self.commit_mission(&commit, source),
+        }
+    }
+
+    fn disarm(&mut self) {
+        self.phase = Phase::Disarmed;
+        self.mission = None;
+        self.landed = true;
+    }
+
+    fn commit_mission<S: MissionSource + ?Sized>(
+        &mut self,
+        commit: &MissionCommit,
+        source: &S,
+    ) -> Result<(), Blocker> {
+        if self.phase == Phase::Mission {
+            return Err(Blocker::InFlight);
+        }
+        let stored = Stored {
+            slot: commit.slot,
+            count: commit.count,
+        };
+        let checked = check(source, stored, self.frame.origin(), &self.parameters.mission);
+        self.stored = checked.is_ok().then_some(stored);
+        checked.map_err(|_| Blocker::NoMission)
+    }
+
+    fn start_mission<S: MissionSource + ?Sized>(&mut self, source: &S) -> Result<(), Blocker> {
+        if self.phase == Phase::Disarmed {
+            return Err(Blocker::NotArmed);
+        }
+        let stored = self.stored.ok_or(Blocker::NoMission)?;
+        let heading = self.estimate.attitude.heading();
+        let mission = MissionExecutor::start(stored, &self.surroundings(source), heading);
+        self.mission = Some(mission.ok_or(Blocker::NoMission)?);
+        self.phase = Phase::Mission;
+        Ok(())
+    }
+
+    fn surroundings<'a, S: MissionSource + ?Sized>(&'a self, source: &'a S) -> Surroundings<'a, S> {
+        Surroundings {
+            source,
+            frame: &self.frame,
+            parameters: &self.parameters.mission,
+            estimate: MissionEstimate {
+                position: self.estimate.position,
+                velocity: self.estimate.velocity,
+                landed: self.landed,
+            },
+        }
+    }
+
+    /// Where the vehicle should be now.
+    fn trajectory<S: MissionSource + ?Sized>(
+        &mut self,
+        source: &S,
+        dt: u32,
+        events: &mut MissionEvents,
+    ) -> Option<TrajectorySetpoint> {
+        let flying = matches!(self.phase, Phase::Mission | Phase::Offboard);
+        if flying && self.landed && self.estimate.position.z < self.ground - AIRBORNE_HEIGHT {
+            self.landed = false;
+        }
+        match self.phase {
+            Phase::Disarmed | Phase::Armed => None,
+            Phase::Offboard => self.offboard,
+            Phase::Mission => {
+                let mut mission = self.mission.take()?;
+                let (setpoint, happened) = mission.step(&self.surroundings(source), dt);
+                self.mission = Some(mission);
+                *events = happened;
+                if events.contains(&MissionEvent::Landed) {
+                    self.disarm();
+                }
+                Some(setpoint)
+            }
+        }
+    }
+
+    /// Attitude and thrust that lead there.
+    fn control(
+        &mut self,
+        trajectory: Option<&TrajectorySetpoint>,
+        snapshot: &Snapshot,
+        dt: u32,
+    ) -> AttitudeSetpoint {
+        let level = AttitudeSetpoint {
+            attitude: Quaternion::from_heading(self.estimate.attitude.heading()),
+            rate: Vector3::zeros(),
+            thrust: self.inner.descent_thrust(),
+        };
+        let Some(trajectory) = trajectory.filter(|_| self.estimate.is_known()) else {
+            self.position.reset();
+            return level;
+        };
+        let estimate = PositionEstimate {
+            position: self.estimate.position,
+            velocity: self.estimate.velocity,
+            attitude: self.estimate.attitude,
+            disturbance: self.observer.disturbance(&self.parameters.observer),
+        };
+        let shortfall = snapshot.increments.thrust_shortfall;
+        let mean_shortfall = if snapshot.increments.duration > 0.0 {
+            shortfall / snapshot.increments.duration
+        } else {
+            0.0
+        };
+        self.position.step(
+            &self.parameters.position,
+            &self.parameters.vehicle,
+            trajectory,
+            &estimate,
+            if self.landed { 0.0 } else { mean_shortfall },
+            dt as f32 * 1e-6,
+        )
+    }
+}

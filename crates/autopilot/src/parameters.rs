@@ -1,0 +1,102 @@
+//! The parameter table: every group under one index, and the two presets.
+
+use windhover_control::VehicleParameters;
+use windhover_control::attitude::AttitudeParameters;
+use windhover_control::observer::ObserverParameters;
+use windhover_control::position::PositionParameters;
+use windhover_parameters::{parameter_groups, parameters};
+
+use crate::mission::MissionParameters;
+use crate::sensing::CalibrationParameters;
+
+parameters! {
+    /// Motors at the edges of flight.
+    pub struct MotorParameters {
+        idle: "MOT_IDLE", "", 0.02..=0.3, 0.08, "Speed of armed rotors on the ground, and least speed in flight, as a share of the largest";
+    }
+}
+
+parameter_groups! {
+    /// All parameters of the core.
+    pub struct Parameters {
+        vehicle: VehicleParameters,
+        motor: MotorParameters,
+        attitude: AttitudeParameters,
+        position: PositionParameters,
+        observer: ObserverParameters,
+        mission: MissionParameters,
+        calibration: CalibrationParameters,
+    }
+}
+
+/// Which position control flies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Table I of the paper as printed, in a plain cascade.
+    Paper,
+    /// With velocity, acceleration and jerk fed forward, and a disturbance observer.
+    Windhover,
+}
+
+impl Preset {
+    /// Sets the parameters that make up the preset; the rest stays.
+    pub fn apply(self, parameters: &mut Parameters) {
+        match self {
+            Self::Paper => {
+                parameters.position = PositionParameters::paper();
+                parameters.observer = ObserverParameters::paper();
+            }
+            Self::Windhover => {
+                parameters.position = PositionParameters::default();
+                parameters.observer = ObserverParameters::default();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn declarations_are_well_formed() {
+        for (index, declaration) in Parameters::declarations().enumerate() {
+            let name = declaration.name;
+            assert!(
+                name.len() <= 16
+                    && name
+                        .bytes()
+                        .all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_')
+            );
+            assert!(
+                declaration.check(declaration.default).is_ok(),
+                "{name}: default out of range"
+            );
+            assert_eq!(Parameters::find(name), Some(index), "{name} is declared twice");
+            assert!(
+                !declaration.text.ends_with('.') && declaration.text.len() > 10,
+                "{name}: {}",
+                declaration.text
+            );
+        }
+    }
+
+    #[test]
+    fn presets_are_within_range_and_differ() {
+        let tables = [Preset::Paper, Preset::Windhover].map(|preset| {
+            let mut table = Parameters::default();
+            preset.apply(&mut table);
+            table
+        });
+        for table in &tables {
+            for (index, declaration) in Parameters::declarations().enumerate() {
+                assert!(
+                    declaration.check(table.get(index).unwrap()).is_ok(),
+                    "{}",
+                    declaration.name
+                );
+            }
+        }
+        assert_ne!(tables[0], tables[1]);
+    }
+}
