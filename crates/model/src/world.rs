@@ -1,0 +1,333 @@
+//! The world: a vehicle, the air and the ground, stepped forward by motor commands.
+
+use core::fmt;
+
+use thiserror::Error;
+use windhover_math::Vector3;
+
+use crate::GRAVITY;
+use crate::body::{Body, Outside};
+use crate::conditions::Conditions;
+use crate::esc::{Command, Esc, PwmLatch};
+use crate::ground::{self, Contact, Crash};
+use crate::integrate::{Integrator, Stage, step};
+use crate::kinematics::Kinematics;
+use crate::push::Pushes;
+use crate::random::Random;
+use crate::rigid;
+use crate::rotor::{LagStep, RotorForces, Wrench};
+use crate::truth::Truth;
+use crate::truth::{halfway, mean_rate};
+use crate::vehicle::Plant;
+use crate::wind::Wind;
+
+/// Which equations move the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ModelKind {
+    /// A full rigid body.
+    #[default]
+    Rigid,
+}
+
+/// What left the range in which a model means anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// More than 10 km from the start in one coordinate, or not finite; m.
+    Position,
+    /// More than 1000 m/s in one coordinate, or not finite; m/s.
+    Velocity,
+    /// More than 200 rad/s about one axis, or not finite; rad/s.
+    BodyRate,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position in m",
+            Self::Velocity => "velocity in m/s",
+            Self::BodyRate => "body rate in rad/s",
+        })
+    }
+}
+
+/// The flight went beyond what the model can say; the state of the step before it stays.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("diverged at {time:.3} s: {what} reached {value:e}")]
+pub struct Divergence {
+    /// What diverged.
+    pub what: Quantity,
+    /// When, in s.
+    pub time: f64,
+    /// The value that it reached in its worst coordinate, possibly not finite.
+    pub value: f64,
+}
+
+/// Step length with what follows from it.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    ns: u64,
+    dt: f64,
+    lag: LagStep,
+}
+
+impl Span {
+    fn new(plant: &Plant, ns: u64) -> Self {
+        let dt = ns as f64 / 1e9;
+        let lag = LagStep::new(plant, dt);
+        Self { ns, dt, lag }
+    }
+}
+
+/// One vehicle in its world. Deterministic: equal arguments give equal bits.
+#[derive(Clone, Debug)]
+pub struct World {
+    plant: Plant,
+    body: Body,
+    forces: RotorForces,
+    esc: Esc,
+    wind: Wind,
+    pushes: Pushes,
+    disturbance: Vector3<f64>,
+    integrator: Integrator,
+    span: Span,
+    time_ns: u64,
+    rotor_speed: [f64; 4],
+    state: Kinematics,
+    /// The state before the last step.
+    previous: Kinematics,
+    contact: Contact,
+    crash: Option<Crash>,
+    divergence: Option<Divergence>,
+    power: f64,
+    energy: f64,
+}
+
+impl World {
+    /// A vehicle at rest on the ground at the origin, facing north, rotors standing.
+    ///
+    /// `plant` and `conditions` should have passed their `validate`; other figures do not panic,
+    /// but may diverge at once.
+    ///
+    /// ```
+    /// use windhover_model::{Conditions, Integrator, ModelKind, Vehicle, World};
+    /// let vehicle = Vehicle::named("os4").unwrap();
+    /// let conditions = Conditions::reference();
+    /// let mut world = World::new(&vehicle.plant, ModelKind::Rigid, Integrator::Rk4, &conditions);
+    /// for _ in 0..1000 {
+    ///     world.step(1e-3, Some([40_000; 4]));
+    /// }
+    /// assert!(world.truth().position.z < -0.5, "it climbs");
+    /// ```
+    pub fn new(
+        plant: &Plant,
+        _model: ModelKind,
+        integrator: Integrator,
+        conditions: &Conditions,
+    ) -> Self {
+        let random = Random::new(conditions.seed, 0);
+        Self {
+            plant: plant.clone(),
+            body: Body::new(plant, conditions.payload),
+            forces: RotorForces::new(plant),
+            esc: Esc::new(plant.rotor_speed_max, PwmLatch::new(conditions.pwm_hz)),
+            wind: Wind::new(conditions.wind, conditions.gust, random),
+            pushes: Pushes::new(&conditions.pushes),
+            disturbance: conditions.disturbance,
+            integrator,
+            span: Span::new(plant, 1_000_000),
+            time_ns: 0,
+            rotor_speed: [0.0; 4],
+            state: Kinematics::default(),
+            previous: Kinematics::default(),
+            contact: Contact::Resting,
+            crash: None,
+            divergence: None,
+            power: 0.0,
+            energy: 0.0,
+        }
+    }
+
+    /// The same world with the vehicle in flight in the given state, its rotors at the given
+    /// speeds in rad/s.
+    pub fn in_flight(mut self, state: Kinematics, rotor_speed: [f64; 4]) -> Self {
+        self.state = state;
+        self.previous = state;
+        self.rotor_speed = rotor_speed;
+        self.contact = Contact::Flying;
+        self
+    }
+
+    /// The same world with the vehicle turned on the ground to a heading in rad.
+    pub fn facing(mut self, heading: f64) -> Self {
+        self.state.attitude = windhover_math::Quaternion::from_heading(heading);
+        self.previous = self.state;
+        self
+    }
+
+    /// Rotor speed in rad/s at which vehicle and payload hover.
+    pub fn hover_speed(&self) -> f64 {
+        (self.body.mass * GRAVITY / (4.0 * self.plant.k_f)).sqrt()
+    }
+
+    /// Moves the world `dt` seconds forward (0 to 1, rounded to whole nanoseconds) while
+    /// `command` is written to the motors. After a crash or a divergence only time goes on.
+    #[inline]
+    pub fn step(&mut self, dt: f64, command: Command) {
+        let ns = (dt.clamp(0.0, 1.0) * 1e9 + 0.5) as u64;
+        if ns != self.span.ns {
+            if ns == 0 {
+                return;
+            }
+            self.span = Span::new(&self.plant, ns);
+        }
+        let (span, start_ns) = (self.span, self.time_ns);
+        self.time_ns += span.ns;
+        self.previous = self.state;
+        if self.crash.is_some() || self.divergence.is_some() {
+            return;
+        }
+        self.wind
+            .advance(start_ns, -self.state.position.z, self.state.velocity);
+        let target = self.esc.step(start_ns, span.ns, command);
+        let middle = span.lag.half(&self.rotor_speed, &target);
+        let end = span.lag.half(&middle, &target);
+        let speeds = [self.rotor_speed, middle, end];
+        self.rotor_speed = end;
+        self.power = self.forces.power(&middle);
+        self.energy += self.power * span.dt;
+        let outside = Outside {
+            wind: self.wind.velocity(),
+            force: self.pushes.mean_force(start_ns, span.ns),
+            acceleration: self.disturbance,
+        };
+        match self.contact {
+            Contact::Flying => self.fly(&speeds, &outside),
+            Contact::Settling => (self.state, self.contact) = ground::settle(&self.state, span.dt),
+            Contact::Resting => self.rest(&speeds, &outside),
+        }
+    }
+
+    #[inline(always)]
+    fn fly(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
+        let (body, forces) = (&self.body, &self.forces);
+        let wrench = |stage: Stage| -> Wrench { forces.wrench(&speeds[stage as usize]) };
+        let next = step(self.integrator, self.state, self.span.dt, |state, stage| {
+            rigid::derivative(body, state, &wrench(stage), outside)
+        });
+        if is_sound(&next) {
+            self.state = next;
+            if ground::is_touchdown(&self.state) {
+                self.touch_down();
+            }
+        } else {
+            self.divergence = Some(divergence(&next, self.time()));
+        }
+    }
+
+    /// On the ground until the vertical force points up.
+    fn rest(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
+        let thrust = self.forces.wrench(&speeds[Stage::Middle as usize]).thrust;
+        let down = self.body.outside_acceleration(Vector3::zeros(), outside).z;
+        if thrust / self.body.mass > down {
+            self.contact = Contact::Flying;
+            self.fly(speeds, outside);
+        }
+    }
+
+    #[cold]
+    fn touch_down(&mut self) {
+        match ground::touch_down(&self.state, self.time()) {
+            Ok(contact) => self.contact = contact,
+            Err(crash) => {
+                self.crash = Some(crash);
+                self.state.velocity = Vector3::zeros();
+                self.state.body_rate = Vector3::zeros();
+                self.rotor_speed = [0.0; 4];
+                self.power = 0.0;
+            }
+        }
+    }
+
+    /// Time since the start in s.
+    #[inline]
+    pub fn time(&self) -> f64 {
+        self.time_ns as f64 / 1e9
+    }
+
+    /// Where the vehicle is in relation to the ground.
+    pub fn contact(&self) -> Contact {
+        self.contact
+    }
+
+    /// The crash that ended the flight, if there was one.
+    pub fn crash(&self) -> Option<Crash> {
+        self.crash
+    }
+
+    /// What diverged and when, if something did.
+    pub fn diverged(&self) -> Option<Divergence> {
+        self.divergence
+    }
+
+    /// Position, velocity, attitude and rate.
+    pub fn kinematics(&self) -> Kinematics {
+        self.state
+    }
+
+    /// Everything there is to know now.
+    #[inline]
+    pub fn truth(&self) -> Truth {
+        let (now, before, dt) = (&self.state, &self.previous, self.span.dt);
+        let mut acceleration = (now.velocity - before.velocity) * (1.0 / dt);
+        acceleration.z -= GRAVITY;
+        let middle = halfway(before.attitude, now.attitude);
+        Truth {
+            time: self.time(),
+            position: now.position,
+            velocity: now.velocity,
+            attitude: now.attitude,
+            body_rate: now.body_rate,
+            mean_rate: mean_rate(before.attitude, now.attitude, dt),
+            specific_force: middle.inverse_rotate(acceleration),
+            rotor_speed: self.rotor_speed,
+            wind: self.wind.velocity(),
+            power: self.power,
+            energy: self.energy,
+        }
+    }
+}
+
+/// Whether every part of a state is finite and in range. A NaN fails the comparison.
+#[inline(always)]
+fn is_sound(state: &Kinematics) -> bool {
+    let within = |v: Vector3<f64>, limit: f64| {
+        v.x.abs() <= limit && v.y.abs() <= limit && v.z.abs() <= limit
+    };
+    within(state.position, 1e4) && within(state.velocity, 1e3) && within(state.body_rate, 200.0)
+}
+
+/// What is not sound about a state.
+#[cold]
+fn divergence(state: &Kinematics, time: f64) -> Divergence {
+    let worst = |v: Vector3<f64>| {
+        let worse = |a: f64, b: f64| {
+            if b.is_nan() || b.abs() > a.abs() {
+                b
+            } else {
+                a
+            }
+        };
+        worse(worse(v.x, v.y), v.z)
+    };
+    let quantities = [
+        (Quantity::Position, state.position, 1e4),
+        (Quantity::Velocity, state.velocity, 1e3),
+        (Quantity::BodyRate, state.body_rate, 200.0),
+    ];
+    let bad = quantities
+        .into_iter()
+        .map(|(what, v, limit)| (what, worst(v), limit))
+        .find(|(_, value, limit)| value.is_nan() || value.abs() > *limit);
+    let (what, value, _) = bad.unwrap_or((Quantity::Position, f64::NAN, 0.0));
+    Divergence { what, time, value }
+}
