@@ -8,7 +8,7 @@
 //!
 //! - [`vehicle`]: vehicle files; [`conditions`]: wind, pushes, payload, seed of a flight.
 //! - [`world`]: the vehicle in its world, step by step; [`truth`]: what there is to know.
-//! - [`rigid`]: the equations of motion, stepped by [`integrate`].
+//! - [`simple`], [`paper`], [`rigid`]: the equations of motion, stepped by [`integrate`].
 //! - [`esc`], [`rotor`]: from motor commands to forces and torques.
 //! - [`wind`], [`push`], [`payload`], [`body`], [`ground`]: what else acts on the vehicle.
 //! - [`imu`]: what an ideal IMU reads; [`random`]: random numbers.
@@ -21,11 +21,13 @@ pub mod imu;
 pub mod integrate;
 pub mod kinematics;
 mod length;
+pub mod paper;
 pub mod payload;
 pub mod push;
 pub mod random;
 pub mod rigid;
 pub mod rotor;
+pub mod simple;
 pub mod truth;
 pub mod vehicle;
 pub mod wind;

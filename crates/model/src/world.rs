@@ -10,12 +10,14 @@ use crate::body::{Body, Outside};
 use crate::conditions::Conditions;
 use crate::esc::{Command, Esc, PwmLatch};
 use crate::ground::{self, Contact, Crash};
-use crate::integrate::{Integrator, Stage, step};
+use crate::integrate::{Integrator, SixDegrees, Stage, step};
 use crate::kinematics::Kinematics;
+use crate::paper;
 use crate::push::Pushes;
 use crate::random::Random;
 use crate::rigid;
-use crate::rotor::{LagStep, RotorForces, Wrench};
+use crate::rotor::{LagStep, RotorForces};
+use crate::simple;
 use crate::truth::Truth;
 use crate::truth::{halfway, mean_rate};
 use crate::vehicle::Plant;
@@ -24,9 +26,31 @@ use crate::wind::Wind;
 /// Which equations move the vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ModelKind {
+    /// Equation (1): angles that turn independently.
+    Simple,
+    /// Equation (8): Euler angles and their rates.
+    Paper,
     /// A full rigid body.
     #[default]
     Rigid,
+}
+
+/// The state of a model where it is not that of [`Kinematics`].
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    Simple(SixDegrees),
+    Paper(SixDegrees),
+    Rigid,
+}
+
+impl Motion {
+    fn new(kind: ModelKind, state: &Kinematics) -> Self {
+        match kind {
+            ModelKind::Simple => Self::Simple(simple::from_kinematics(state)),
+            ModelKind::Paper => Self::Paper(paper::from_kinematics(state)),
+            ModelKind::Rigid => Self::Rigid,
+        }
+    }
 }
 
 /// What left the range in which a model means anything.
@@ -88,6 +112,8 @@ pub struct World {
     wind: Wind,
     pushes: Pushes,
     disturbance: Vector3<f64>,
+    kind: ModelKind,
+    motion: Motion,
     integrator: Integrator,
     span: Span,
     time_ns: u64,
@@ -120,7 +146,7 @@ impl World {
     /// ```
     pub fn new(
         plant: &Plant,
-        _model: ModelKind,
+        kind: ModelKind,
         integrator: Integrator,
         conditions: &Conditions,
     ) -> Self {
@@ -133,6 +159,8 @@ impl World {
             wind: Wind::new(conditions.wind, conditions.gust, random),
             pushes: Pushes::new(&conditions.pushes),
             disturbance: conditions.disturbance,
+            kind,
+            motion: Motion::new(kind, &Kinematics::default()),
             integrator,
             span: Span::new(plant, 1_000_000),
             time_ns: 0,
@@ -153,7 +181,7 @@ impl World {
         self.state = state;
         self.previous = state;
         self.rotor_speed = rotor_speed;
-        self.contact = Contact::Flying;
+        self.take_off();
         self
     }
 
@@ -209,11 +237,7 @@ impl World {
 
     #[inline(always)]
     fn fly(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
-        let (body, forces) = (&self.body, &self.forces);
-        let wrench = |stage: Stage| -> Wrench { forces.wrench(&speeds[stage as usize]) };
-        let next = step(self.integrator, self.state, self.span.dt, |state, stage| {
-            rigid::derivative(body, state, &wrench(stage), outside)
-        });
+        let next = self.moved(speeds, outside);
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {
@@ -224,12 +248,43 @@ impl World {
         }
     }
 
+    /// The state one step of the model later.
+    #[inline(always)]
+    fn moved(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) -> Kinematics {
+        let (body, forces) = (&self.body, &self.forces);
+        let (integrator, dt) = (self.integrator, self.span.dt);
+        let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
+        match &mut self.motion {
+            Motion::Rigid => step(integrator, self.state, dt, |state, stage| {
+                rigid::derivative(body, state, &wrench(stage), outside)
+            }),
+            Motion::Paper(own) => {
+                *own = step(integrator, *own, dt, |state, stage| {
+                    paper::derivative(body, state, &wrench(stage), outside)
+                });
+                paper::to_kinematics(own)
+            }
+            Motion::Simple(own) => {
+                *own = step(integrator, *own, dt, |state, stage| {
+                    simple::derivative(body, state, &wrench(stage), outside)
+                });
+                simple::to_kinematics(own)
+            }
+        }
+    }
+
+    /// From here on the model moves the vehicle.
+    fn take_off(&mut self) {
+        self.contact = Contact::Flying;
+        self.motion = Motion::new(self.kind, &self.state);
+    }
+
     /// On the ground until the vertical force points up.
     fn rest(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
         let thrust = self.forces.wrench(&speeds[Stage::Middle as usize]).thrust;
         let down = self.body.outside_acceleration(Vector3::zeros(), outside).z;
         if thrust / self.body.mass > down {
-            self.contact = Contact::Flying;
+            self.take_off();
             self.fly(speeds, outside);
         }
     }
