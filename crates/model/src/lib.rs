@@ -8,19 +8,22 @@
 //!
 //! - [`vehicle`]: vehicle files; [`conditions`]: wind, pushes, payload, seed of a flight.
 //! - [`world`]: the vehicle in its world, step by step; [`truth`]: what there is to know.
-//! - [`simple`], [`paper`], [`rigid`]: the equations of motion, stepped by [`integrate`].
+//! - [`simple`], [`paper`], [`rigid`]: the equations of motion, chosen in [`motion`] and stepped
+//!   by [`integrate`]; [`kinematics`] is what they have in common, [`divergence`] where they end.
 //! - [`esc`], [`rotor`]: from motor commands to forces and torques.
 //! - [`wind`], [`push`], [`payload`], [`body`], [`ground`]: what else acts on the vehicle.
 //! - [`imu`]: what an ideal IMU reads; [`random`]: random numbers.
 
 pub mod body;
 pub mod conditions;
+pub mod divergence;
 pub mod esc;
 pub mod ground;
 pub mod imu;
 pub mod integrate;
 pub mod kinematics;
 mod length;
+pub mod motion;
 pub mod paper;
 pub mod payload;
 pub mod push;
@@ -34,17 +37,19 @@ pub mod wind;
 pub mod world;
 
 pub use conditions::{Conditions, ConditionsError};
+pub use divergence::{Divergence, Quantity};
 pub use esc::Command;
 pub use ground::{Contact, Crash};
 pub use imu::{ImuCounts, ideal_counts};
 pub use integrate::Integrator;
 pub use kinematics::Kinematics;
+pub use motion::ModelKind;
 pub use payload::Payload;
 pub use push::Push;
 pub use truth::Truth;
 pub use vehicle::{Plant, Vehicle, VehicleError};
 pub use wind::mean_wind_from;
-pub use world::{Divergence, ModelKind, Quantity, World};
+pub use world::World;
 
 /// Standard gravity in m/s² (ISO 80000-3).
 pub const GRAVITY: f64 = 9.806_65;

@@ -1,90 +1,22 @@
 //! The world: a vehicle, the air and the ground, stepped forward by motor commands.
 
-use core::fmt;
-
-use thiserror::Error;
-use windhover_math::Vector3;
+use windhover_math::{Quaternion, Vector3};
 
 use crate::GRAVITY;
 use crate::body::{Body, Outside};
 use crate::conditions::Conditions;
+use crate::divergence::{Divergence, divergence, is_sound};
 use crate::esc::{Command, Esc, PwmLatch};
 use crate::ground::{self, Contact, Crash};
-use crate::integrate::{Integrator, SixDegrees, Stage, step};
+use crate::integrate::{Integrator, Stage};
 use crate::kinematics::Kinematics;
-use crate::paper;
+use crate::motion::{ModelKind, Motion};
 use crate::push::Pushes;
 use crate::random::Random;
-use crate::rigid;
 use crate::rotor::{LagStep, RotorForces};
-use crate::simple;
-use crate::truth::Truth;
-use crate::truth::{halfway, mean_rate};
+use crate::truth::{Truth, halfway, mean_rate};
 use crate::vehicle::Plant;
 use crate::wind::Wind;
-
-/// Which equations move the vehicle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ModelKind {
-    /// Equation (1): angles that turn independently.
-    Simple,
-    /// Equation (8): Euler angles and their rates.
-    Paper,
-    /// A full rigid body.
-    #[default]
-    Rigid,
-}
-
-/// The state of a model where it is not that of [`Kinematics`].
-#[derive(Clone, Copy, Debug)]
-enum Motion {
-    Simple(SixDegrees),
-    Paper(SixDegrees),
-    Rigid,
-}
-
-impl Motion {
-    fn new(kind: ModelKind, state: &Kinematics) -> Self {
-        match kind {
-            ModelKind::Simple => Self::Simple(simple::from_kinematics(state)),
-            ModelKind::Paper => Self::Paper(paper::from_kinematics(state)),
-            ModelKind::Rigid => Self::Rigid,
-        }
-    }
-}
-
-/// What left the range in which a model means anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// More than 10 km from the start in one coordinate, or not finite; m.
-    Position,
-    /// More than 1000 m/s in one coordinate, or not finite; m/s.
-    Velocity,
-    /// More than 200 rad/s about one axis, or not finite; rad/s.
-    BodyRate,
-}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Position => "position in m",
-            Self::Velocity => "velocity in m/s",
-            Self::BodyRate => "body rate in rad/s",
-        })
-    }
-}
-
-/// The flight went beyond what the model can say; the state of the step before it stays.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("diverged at {time:.3} s: {what} reached {value:e}")]
-pub struct Divergence {
-    /// What diverged.
-    pub what: Quantity,
-    /// When, in s.
-    pub time: f64,
-    /// The value that it reached in its worst coordinate, possibly not finite.
-    pub value: f64,
-}
 
 /// Step length with what follows from it.
 #[derive(Clone, Copy, Debug)]
@@ -187,7 +119,7 @@ impl World {
 
     /// The same world with the vehicle turned on the ground to a heading in rad.
     pub fn facing(mut self, heading: f64) -> Self {
-        self.state.attitude = windhover_math::Quaternion::from_heading(heading);
+        self.state.attitude = Quaternion::from_heading(heading);
         self.previous = self.state;
         self
     }
@@ -237,7 +169,12 @@ impl World {
 
     #[inline(always)]
     fn fly(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
-        let next = self.moved(speeds, outside);
+        let (integrator, dt) = (self.integrator, self.span.dt);
+        let (state, body, forces) = (&self.state, &self.body, &self.forces);
+        let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
+        let next = self
+            .motion
+            .step(integrator, dt, state, body, wrench, outside);
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {
@@ -245,31 +182,6 @@ impl World {
             }
         } else {
             self.divergence = Some(divergence(&next, self.time()));
-        }
-    }
-
-    /// The state one step of the model later.
-    #[inline(always)]
-    fn moved(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) -> Kinematics {
-        let (body, forces) = (&self.body, &self.forces);
-        let (integrator, dt) = (self.integrator, self.span.dt);
-        let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
-        match &mut self.motion {
-            Motion::Rigid => step(integrator, self.state, dt, |state, stage| {
-                rigid::derivative(body, state, &wrench(stage), outside)
-            }),
-            Motion::Paper(own) => {
-                *own = step(integrator, *own, dt, |state, stage| {
-                    paper::derivative(body, state, &wrench(stage), outside)
-                });
-                paper::to_kinematics(own)
-            }
-            Motion::Simple(own) => {
-                *own = step(integrator, *own, dt, |state, stage| {
-                    simple::derivative(body, state, &wrench(stage), outside)
-                });
-                simple::to_kinematics(own)
-            }
         }
     }
 
@@ -350,39 +262,4 @@ impl World {
             energy: self.energy,
         }
     }
-}
-
-/// Whether every part of a state is finite and in range. A NaN fails the comparison.
-#[inline(always)]
-fn is_sound(state: &Kinematics) -> bool {
-    let within = |v: Vector3<f64>, limit: f64| {
-        v.x.abs() <= limit && v.y.abs() <= limit && v.z.abs() <= limit
-    };
-    within(state.position, 1e4) && within(state.velocity, 1e3) && within(state.body_rate, 200.0)
-}
-
-/// What is not sound about a state.
-#[cold]
-fn divergence(state: &Kinematics, time: f64) -> Divergence {
-    let worst = |v: Vector3<f64>| {
-        let worse = |a: f64, b: f64| {
-            if b.is_nan() || b.abs() > a.abs() {
-                b
-            } else {
-                a
-            }
-        };
-        worse(worse(v.x, v.y), v.z)
-    };
-    let quantities = [
-        (Quantity::Position, state.position, 1e4),
-        (Quantity::Velocity, state.velocity, 1e3),
-        (Quantity::BodyRate, state.body_rate, 200.0),
-    ];
-    let bad = quantities
-        .into_iter()
-        .map(|(what, v, limit)| (what, worst(v), limit))
-        .find(|(_, value, limit)| value.is_nan() || value.abs() > *limit);
-    let (what, value, _) = bad.unwrap_or((Quantity::Position, f64::NAN, 0.0));
-    Divergence { what, time, value }
 }
