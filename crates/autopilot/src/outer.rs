@@ -54,6 +54,8 @@ pub struct OuterReport {
     pub estimate: Estimate,
     /// The point of the path that control followed; `None` when it followed none.
     pub trajectory: Option<TrajectorySetpoint>,
+    /// Where the leg that is being flown leads, NED, m; `None` outside missions.
+    pub leg_end: Option<Vector3>,
     /// The disturbance as observed, NED, m/s².
     pub disturbance: Vector3,
     /// What happened in the mission.
@@ -207,6 +209,7 @@ impl Outer {
                 phase: self.phase,
                 estimate: self.estimate,
                 trajectory,
+                leg_end: self.mission.as_ref().map(MissionExecutor::leg_end),
                 disturbance: self.observer.disturbance(&self.parameters.observer),
                 events,
                 refusals,

@@ -94,13 +94,7 @@ impl Conditions {
             check("push force", push.force.length(), 0.0, 1e4, "0 to 10000 N")?;
         }
         if let Some(hz) = self.pwm_hz {
-            check(
-                "PWM frequency",
-                f64::from(hz),
-                50.0,
-                32_000.0,
-                "50 to 32000 Hz",
-            )?;
+            check("PWM frequency", f64::from(hz), 50.0, 32_000.0, "50 to 32000 Hz")?;
         }
         Ok(())
     }
@@ -126,10 +120,7 @@ mod tests {
             change(&mut conditions);
             conditions.validate().unwrap_err().to_string()
         };
-        assert_eq!(
-            refused(|c| c.gust = -1.0),
-            "gust is -1: must be 0 to 50 m/s"
-        );
+        assert_eq!(refused(|c| c.gust = -1.0), "gust is -1: must be 0 to 50 m/s");
         assert_eq!(
             refused(|c| c.wind.x = f64::NAN),
             "wind speed is NaN: must be 0 to 100 m/s"

@@ -52,9 +52,7 @@ pub struct Divergence {
 /// Whether every part of a state is finite and in range. A NaN fails the comparison.
 #[inline(always)]
 pub(crate) fn is_sound(state: &Kinematics) -> bool {
-    let within = |v: Vector3<f64>, limit: f64| {
-        v.x.abs() <= limit && v.y.abs() <= limit && v.z.abs() <= limit
-    };
+    let within = |v: Vector3<f64>, limit: f64| v.x.abs() <= limit && v.y.abs() <= limit && v.z.abs() <= limit;
     within(state.position, POSITION_MAX)
         && within(state.velocity, VELOCITY_MAX)
         && within(state.body_rate, BODY_RATE_MAX)
@@ -65,11 +63,7 @@ pub(crate) fn is_sound(state: &Kinematics) -> bool {
 pub(crate) fn divergence(state: &Kinematics, time: f64) -> Divergence {
     let worst = |v: Vector3<f64>| {
         let worse = |a: f64, b: f64| {
-            if b.is_nan() || b.abs() > a.abs() {
-                b
-            } else {
-                a
-            }
+            if b.is_nan() || b.abs() > a.abs() { b } else { a }
         };
         worse(worse(v.x, v.y), v.z)
     };

@@ -141,10 +141,7 @@ mod tests {
 
     #[test]
     fn a_touchdown_beyond_the_limits_is_a_crash_with_its_figures() {
-        assert_eq!(
-            touch_down(&landing(1.99, 1.99, 1.04), 1.0),
-            Ok(Contact::Settling)
-        );
+        assert_eq!(touch_down(&landing(1.99, 1.99, 1.04), 1.0), Ok(Contact::Settling));
         let crash = touch_down(&landing(2.01, 0.5, 0.1), 12.0).unwrap_err();
         let text = "crash at 12.000 s: 2.01 m/s down, 0.50 m/s sideways, tilt 6°, at north 0.0 m, east 0.0 m";
         assert_eq!(crash.to_string(), text);
@@ -159,8 +156,7 @@ mod tests {
             let (mut time, mut deepest, mut hardest) = (0.0, 0.0_f64, 0.0_f64);
             let contact = loop {
                 let (next, contact) = settle(&state, dt);
-                hardest =
-                    windhover_math::max(hardest, (next.velocity - state.velocity).length() / dt);
+                hardest = windhover_math::max(hardest, (next.velocity - state.velocity).length() / dt);
                 deepest = windhover_math::max(deepest, next.position.z);
                 state = next;
                 time += dt;
@@ -170,10 +166,7 @@ mod tests {
             };
             assert_eq!(contact, Contact::Resting);
             assert!(time < 0.3, "{time}");
-            assert!(
-                deepest < 0.02 && hardest < 16.0 * 9.81,
-                "{deepest} {hardest}"
-            );
+            assert!(deepest < 0.02 && hardest < 16.0 * 9.81, "{deepest} {hardest}");
             assert_eq!(state.position.z, 0.0);
             assert_eq!(
                 (state.velocity, state.body_rate),

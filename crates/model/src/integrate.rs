@@ -60,12 +60,7 @@ pub fn semi_implicit_euler<S: State>(x: S, dt: f64, derivative: impl Fn(&S, Stag
 
 /// One step of the chosen kind.
 #[inline(always)]
-pub fn step<S: State>(
-    integrator: Integrator,
-    x: S,
-    dt: f64,
-    derivative: impl Fn(&S, Stage) -> S,
-) -> S {
+pub fn step<S: State>(integrator: Integrator, x: S, dt: f64, derivative: impl Fn(&S, Stage) -> S) -> S {
     match integrator {
         Integrator::Rk4 => rk4(x, dt, derivative),
         Integrator::SemiImplicitEuler => semi_implicit_euler(x, dt, derivative),
@@ -159,8 +154,7 @@ mod tests {
 
     #[test]
     fn both_agree_in_the_limit() {
-        let difference =
-            swing(Integrator::Rk4, 1000) - swing(Integrator::SemiImplicitEuler, 100_000);
+        let difference = swing(Integrator::Rk4, 1000) - swing(Integrator::SemiImplicitEuler, 100_000);
         assert!(difference.abs() < 1e-4, "{difference}");
     }
 }

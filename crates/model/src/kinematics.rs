@@ -50,12 +50,7 @@ impl State for Kinematics {
         Self {
             position: self.position + rate.position * dt,
             velocity: self.velocity + rate.velocity * dt,
-            attitude: Quaternion::new(
-                q.w + dq.w * dt,
-                q.x + dq.x * dt,
-                q.y + dq.y * dt,
-                q.z + dq.z * dt,
-            ),
+            attitude: Quaternion::new(q.w + dq.w * dt, q.x + dq.x * dt, q.y + dq.y * dt, q.z + dq.z * dt),
             body_rate: self.body_rate + rate.body_rate * dt,
         }
     }

@@ -19,12 +19,7 @@ use crate::rotor::Wrench;
 
 /// Rate of change of the state x, y, z, φ, θ, ψ and its speeds.
 #[inline]
-pub fn derivative(
-    body: &Body,
-    state: &SixDegrees,
-    wrench: &Wrench,
-    outside: &Outside,
-) -> SixDegrees {
+pub fn derivative(body: &Body, state: &SixDegrees, wrench: &Wrench, outside: &Outside) -> SixDegrees {
     let [_, _, _, phi, theta, psi] = state.coordinate;
     let [vx, vy, vz, phi_rate, theta_rate, psi_rate] = state.speed;
     let (sin_phi, cos_phi) = libm::sincos(phi);

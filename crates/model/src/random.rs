@@ -56,8 +56,7 @@ impl Random {
         const MEAN: f64 = 8.0 * 65_535.0 / 2.0;
         // 1/√(8·(2³²−1)/12)
         const SCALE: f64 = 1.868_812_365_011_853_4e-5;
-        let pairs =
-            |bits: u64| (bits & 0x0000_FFFF_0000_FFFF) + ((bits >> 16) & 0x0000_FFFF_0000_FFFF);
+        let pairs = |bits: u64| (bits & 0x0000_FFFF_0000_FFFF) + ((bits >> 16) & 0x0000_FFFF_0000_FFFF);
         let sums = pairs(self.bits()) + pairs(self.bits());
         let sum = (sums & 0xFFFF_FFFF) + (sums >> 32);
         (sum as f64 - MEAN) * SCALE
@@ -74,9 +73,7 @@ mod tests {
         let mut mix = 0;
         assert_eq!(split_mix(&mut mix), 0xE220_A839_7B1D_CDAF);
         assert_eq!(split_mix(&mut mix), 0x6E78_9E6A_A1B9_65F4);
-        let mut random = Random {
-            state: [1, 2, 3, 4],
-        };
+        let mut random = Random { state: [1, 2, 3, 4] };
         let drawn = [random.bits(), random.bits(), random.bits(), random.bits()];
         assert_eq!(drawn, [11_520, 0, 1_509_978_240, 1_215_971_899_390_074_240]);
     }

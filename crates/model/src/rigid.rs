@@ -15,12 +15,7 @@ use crate::rotor::Wrench;
 
 /// Rate of change of the state: velocity, acceleration, attitude rate, angular acceleration.
 #[inline(always)]
-pub fn derivative(
-    body: &Body,
-    state: &Kinematics,
-    wrench: &Wrench,
-    outside: &Outside,
-) -> Kinematics {
+pub fn derivative(body: &Body, state: &Kinematics, wrench: &Wrench, outside: &Outside) -> Kinematics {
     let thrust = state.attitude.down_axis() * (wrench.thrust * body.inverse_mass);
     Kinematics {
         position: state.velocity,
@@ -71,8 +66,7 @@ mod tests {
     fn invariants(body: &Body, state: &Kinematics, spin: f64) -> (f64, Vector3<f64>) {
         let rotation = body.inertia.component_mul(&state.body_rate);
         let energy = 0.5 * state.body_rate.dot(&rotation)
-            + body.mass
-                * (0.5 * state.velocity.length_squared() - crate::GRAVITY * state.position.z);
+            + body.mass * (0.5 * state.velocity.length_squared() - crate::GRAVITY * state.position.z);
         let momentum = rotation - Vector3::new(0.0, 0.0, spin);
         (energy, state.attitude.rotate(momentum))
     }

@@ -52,8 +52,7 @@ impl RotorForces {
     pub fn wrench(&self, speed: &[f64; 4]) -> Wrench {
         let square = speed.map(|w| w * w);
         let sum = |weight: &[f64; 4]| {
-            (square[0] * weight[0] + square[1] * weight[1])
-                + (square[2] * weight[2] + square[3] * weight[3])
+            (square[0] * weight[0] + square[1] * weight[1]) + (square[2] * weight[2] + square[3] * weight[3])
         };
         Wrench {
             thrust: self.k_f * sum(&[1.0; 4]),
@@ -167,17 +166,9 @@ mod tests {
                 speed = lag.half(&speed, &[300.0, 300.0, 0.0, 200.0]);
             }
             let left = libm::exp(-1.0);
-            let wanted = [
-                300.0 * (1.0 - left),
-                300.0 - 200.0 * left,
-                400.0 * left,
-                200.0,
-            ];
+            let wanted = [300.0 * (1.0 - left), 300.0 - 200.0 * left, 400.0 * left, 200.0];
             for i in 0..4 {
-                assert!(
-                    (speed[i] - wanted[i]).abs() < 1e-9,
-                    "{steps} steps, rotor {i}"
-                );
+                assert!((speed[i] - wanted[i]).abs() < 1e-9, "{steps} steps, rotor {i}");
             }
         }
     }

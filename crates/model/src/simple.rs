@@ -19,12 +19,7 @@ use crate::rotor::Wrench;
 
 /// Rate of change of the state north, east, height, φ, θ, ψ and its speeds.
 #[inline]
-pub fn derivative(
-    body: &Body,
-    state: &SixDegrees,
-    wrench: &Wrench,
-    outside: &Outside,
-) -> SixDegrees {
+pub fn derivative(body: &Body, state: &SixDegrees, wrench: &Wrench, outside: &Outside) -> SixDegrees {
     let [_, _, _, phi, theta, _] = state.coordinate;
     let [vn, ve, vup, ..] = state.speed;
     let (sin_phi, cos_phi) = libm::sincos(phi);
@@ -49,9 +44,7 @@ pub fn derivative(
 fn attitude(phi: f64, theta: f64, psi: f64) -> Quaternion<f64> {
     let half = |angle: f64| libm::sincos(0.5 * angle);
     let ((s1, c1), (s2, c2)) = (half(phi), half(theta));
-    Quaternion::new(c1, s1, 0.0, 0.0)
-        * Quaternion::new(c2, 0.0, s2, 0.0)
-        * Quaternion::from_heading(psi)
+    Quaternion::new(c1, s1, 0.0, 0.0) * Quaternion::new(c2, 0.0, s2, 0.0) * Quaternion::from_heading(psi)
 }
 
 /// To NED and FRD.

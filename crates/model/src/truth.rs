@@ -71,16 +71,10 @@ mod tests {
             for sign in [1.0, -1.0] {
                 to = Quaternion::new(sign * to.w, sign * to.x, sign * to.y, sign * to.z);
                 let found = mean_rate(from, to, 1e-3);
-                assert!(
-                    (found - rate).length() < 1e-9 * rate.length() + 1e-12,
-                    "{angle}"
-                );
+                assert!((found - rate).length() < 1e-9 * rate.length() + 1e-12, "{angle}");
                 let middle = from * Quaternion::from_rotation_vector(rate * 0.5e-3);
                 let bound = 2e-3 * angle * angle * angle * angle + 1e-12;
-                assert!(
-                    (halfway(from, to).dot(middle) - 1.0).abs() < bound,
-                    "{angle}"
-                );
+                assert!((halfway(from, to).dot(middle) - 1.0).abs() < bound, "{angle}");
             }
         }
     }

@@ -95,9 +95,7 @@ pub enum VehicleError {
     )]
     ImpossibleInertia([f64; 3]),
     /// A rotor on the wrong side.
-    #[error(
-        "plant.rotor_position: rotor {rotor} is at [{x}, {y}]: must be {allowed} (m front, m right)"
-    )]
+    #[error("plant.rotor_position: rotor {rotor} is at [{x}, {y}]: must be {allowed} (m front, m right)")]
     RotorOrder {
         /// Rotor number, 1 to 4.
         rotor: usize,
@@ -146,9 +144,7 @@ impl Vehicle {
         for (name, &value) in &vehicle.parameters {
             let allowed = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
             if name.is_empty() || name.len() > 16 || !name.chars().all(allowed) {
-                return Err(VehicleError::ParameterName(
-                    name.escape_default().to_string(),
-                ));
+                return Err(VehicleError::ParameterName(name.escape_default().to_string()));
             }
             check(&format!("parameters.{name}"), value, f64::MIN, f64::MAX)?;
         }
@@ -354,16 +350,8 @@ mod tests {
                 "line 7: invalid type: string \"heavy\", expected f64",
             ),
             ("mass = 0.650", "mass 0.650", "line 7: "),
-            (
-                "k_f = 3.13e-5",
-                "wings = 2",
-                "line 12: unknown field `wings`",
-            ),
-            (
-                "rotor_inertia = 6.0e-5",
-                "mass = 1.0",
-                "line 14: duplicate key",
-            ),
+            ("k_f = 3.13e-5", "wings = 2", "line 12: unknown field `wings`"),
+            ("rotor_inertia = 6.0e-5", "mass = 1.0", "line 14: duplicate key"),
         ];
         for (from, to, start) in cases {
             let message = os4_with(from, to).unwrap_err().to_string();

@@ -76,12 +76,7 @@ impl World {
     /// }
     /// assert!(world.truth().position.z < -0.5, "it climbs");
     /// ```
-    pub fn new(
-        plant: &Plant,
-        kind: ModelKind,
-        integrator: Integrator,
-        conditions: &Conditions,
-    ) -> Self {
+    pub fn new(plant: &Plant, kind: ModelKind, integrator: Integrator, conditions: &Conditions) -> Self {
         let random = Random::new(conditions.seed, 0);
         Self {
             plant: plant.clone(),
@@ -172,9 +167,7 @@ impl World {
         let (integrator, dt) = (self.integrator, self.span.dt);
         let (state, body, forces) = (&self.state, &self.body, &self.forces);
         let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
-        let next = self
-            .motion
-            .step(integrator, dt, state, body, wrench, outside);
+        let next = self.motion.step(integrator, dt, state, body, wrench, outside);
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {

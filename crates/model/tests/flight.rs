@@ -2,8 +2,8 @@
 
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{
-    Command, Conditions, Contact, GRAVITY, Integrator, Kinematics, ModelKind, Payload, Push,
-    Quantity, Truth, Vehicle, World, ideal_counts,
+    Command, Conditions, Contact, GRAVITY, Integrator, Kinematics, ModelKind, Payload, Push, Quantity, Truth,
+    Vehicle, World, ideal_counts,
 };
 
 const MODELS: [ModelKind; 3] = [ModelKind::Simple, ModelKind::Paper, ModelKind::Rigid];
@@ -27,12 +27,7 @@ fn world(name: &str, model: ModelKind, integrator: Integrator, conditions: &Cond
 }
 
 /// Hovering 100 m above the ground.
-fn hovering(
-    name: &str,
-    model: ModelKind,
-    integrator: Integrator,
-    conditions: &Conditions,
-) -> World {
+fn hovering(name: &str, model: ModelKind, integrator: Integrator, conditions: &Conditions) -> World {
     let world = world(name, model, integrator, conditions);
     let speed = world.hover_speed();
     let state = Kinematics {
@@ -45,9 +40,8 @@ fn hovering(
 /// A command at which every rotor turns at hover speed plus `offset` rad/s, to the nearest count.
 fn hover_command(name: &str, offset: [f64; 4]) -> Command {
     let plant = Vehicle::named(name).unwrap().plant;
-    let count = |offset: f64| {
-        ((plant.hover_speed() + offset) / plant.rotor_speed_max * 65_535.0 + 0.5) as u16
-    };
+    let count =
+        |offset: f64| ((plant.hover_speed() + offset) / plant.rotor_speed_max * 65_535.0 + 0.5) as u16;
     Some(offset.map(count))
 }
 
@@ -169,10 +163,7 @@ fn the_papers_model_and_the_rigid_body_agree_at_small_angles() {
         let other = manoeuvre("x450", model, Integrator::Rk4, 1e-3, 2.0);
         let (a, b) = (rigid.attitude.to_euler(), other.attitude.to_euler());
         let moved = length(rigid.position - Vector3::new(0.0, 0.0, -100.0));
-        assert!(
-            a.roll.abs() > 0.02 && moved > 0.01,
-            "must move: {a:?} {moved}"
-        );
+        assert!(a.roll.abs() > 0.02 && moved > 0.01, "must move: {a:?} {moved}");
         assert!(
             (a.roll - b.roll).abs() < 0.01 * a.roll.abs(),
             "{model:?} {a:?} {b:?}"
@@ -191,11 +182,7 @@ fn the_models_part_at_large_angles() {
     // Otherwise the test above would pass with one model behind every name.
     let [simple, paper, rigid] =
         MODELS.map(|model| manoeuvre("x450", model, Integrator::Rk4, 1e-3, 60.0).velocity);
-    assert!(
-        length(simple - paper) > 1e-2
-            && length(paper - rigid) > 1e-2
-            && length(simple - rigid) > 1e-2
-    );
+    assert!(length(simple - paper) > 1e-2 && length(paper - rigid) > 1e-2 && length(simple - rigid) > 1e-2);
 }
 
 #[test]
@@ -205,8 +192,7 @@ fn the_integrators_have_their_orders_in_the_whole_world() {
             (Integrator::Rk4, 20e-3, 4.0),
             (Integrator::SemiImplicitEuler, 1e-3, 1.0),
         ] {
-            let ends =
-                [dt, dt / 2.0, dt / 4.0].map(|dt| manoeuvre("x450", model, integrator, dt, 20.0));
+            let ends = [dt, dt / 2.0, dt / 4.0].map(|dt| manoeuvre("x450", model, integrator, dt, 20.0));
             let gap = |a: &Truth, b: &Truth| {
                 let turn = (a.attitude.conjugate() * b.attitude).shortest();
                 length(a.position - b.position)
@@ -215,10 +201,7 @@ fn the_integrators_have_their_orders_in_the_whole_world() {
                     + length(a.body_rate - b.body_rate)
             };
             let order = libm::log2(gap(&ends[0], &ends[1]) / gap(&ends[1], &ends[2]));
-            assert!(
-                (order - wanted).abs() < 0.3,
-                "{model:?} {integrator:?}: {order}"
-            );
+            assert!((order - wanted).abs() < 0.3, "{model:?} {integrator:?}: {order}");
         }
     }
 }
@@ -235,18 +218,11 @@ fn adding_up_what_the_imu_measures_gives_velocity_and_attitude() {
                 world.step(dt, hover_command("x450", [offset, 20.0, -offset, -20.0]));
                 let truth = world.truth();
                 let counts = ideal_counts(&truth);
-                let rate =
-                    Vector3::from(counts.gyro.map(f64::from)) / windhover_model::imu::GYRO_SCALE;
-                let force =
-                    Vector3::from(counts.accel.map(f64::from)) / windhover_model::imu::ACCEL_SCALE;
-                assert!(
-                    length(rate - truth.mean_rate) < 1e-3
-                        && length(force - truth.specific_force) < 5e-3
-                );
-                let middle =
-                    attitude * Quaternion::from_rotation_vector(truth.mean_rate * (0.5 * dt));
-                velocity +=
-                    (middle.rotate(truth.specific_force) + Vector3::new(0.0, 0.0, GRAVITY)) * dt;
+                let rate = Vector3::from(counts.gyro.map(f64::from)) / windhover_model::imu::GYRO_SCALE;
+                let force = Vector3::from(counts.accel.map(f64::from)) / windhover_model::imu::ACCEL_SCALE;
+                assert!(length(rate - truth.mean_rate) < 1e-3 && length(force - truth.specific_force) < 5e-3);
+                let middle = attitude * Quaternion::from_rotation_vector(truth.mean_rate * (0.5 * dt));
+                velocity += (middle.rotate(truth.specific_force) + Vector3::new(0.0, 0.0, GRAVITY)) * dt;
                 attitude = attitude * Quaternion::from_rotation_vector(truth.mean_rate * dt);
             }
             let truth = world.truth();
@@ -302,10 +278,7 @@ fn payload_needs_more_thrust_and_turns_more_slowly() {
             run(&mut empty, 0.1, 1e-3, command),
             run(&mut full, 0.1, 1e-3, command),
         );
-        assert!(
-            a.velocity.z.abs() < 1e-3 && b.velocity.z > 0.01,
-            "{model:?}"
-        );
+        assert!(a.velocity.z.abs() < 1e-3 && b.velocity.z > 0.01, "{model:?}");
         // At equal speeds the torque is the same.
         let speed = [560.0, 550.0, 560.0, 550.0];
         let command = Some(speed.map(|w| (w / 1006.6 * 65_535.0) as u16));
@@ -357,22 +330,14 @@ fn pushes_and_disturbances_add_their_impulse() {
 #[test]
 fn the_wind_carries_a_hovering_vehicle_along() {
     let wind = Vector3::new(4.0, 2.0, 0.0);
-    let conditions = Conditions {
-        wind,
-        ..still_air()
-    };
+    let conditions = Conditions { wind, ..still_air() };
     for name in ["os4", "x450"] {
         for model in MODELS {
             let mut world = hovering(name, model, Integrator::Rk4, &conditions);
             let early = run(&mut world, 1.0, 1e-3, hover_command(name, [0.0; 4]));
             let late = run(&mut world, 60.0, 10e-3, hover_command(name, [0.0; 4]));
-            let lack = |truth: &Truth| {
-                length(Vector3::new(
-                    4.0 - truth.velocity.x,
-                    2.0 - truth.velocity.y,
-                    0.0,
-                ))
-            };
+            let lack =
+                |truth: &Truth| length(Vector3::new(4.0 - truth.velocity.x, 2.0 - truth.velocity.y, 0.0));
             assert!(
                 lack(&early) > 2.0 && lack(&late) < 0.8,
                 "{name} {model:?} {}",
@@ -431,10 +396,7 @@ fn a_crash_is_recorded_and_the_state_stays() {
             (later.position, later.attitude),
             (frozen.position, frozen.attitude)
         );
-        assert_eq!(
-            (later.velocity, later.rotor_speed),
-            (Vector3::zeros(), [0.0; 4])
-        );
+        assert_eq!((later.velocity, later.rotor_speed), (Vector3::zeros(), [0.0; 4]));
         assert!((later.time - 2.0).abs() < 1e-9);
     }
 }
@@ -449,15 +411,12 @@ fn a_divergence_names_what_and_when_and_nothing_becomes_nan() {
         assert_eq!(divergence.what, Quantity::BodyRate, "{model:?}");
         assert!(divergence.value.abs() > 200.0 && divergence.time > before.time);
         let end = world.truth();
-        assert!(
-            end.attitude.is_finite() && length(end.position) < 1e3 && length(end.body_rate) < 350.0
-        );
+        assert!(end.attitude.is_finite() && length(end.position) < 1e3 && length(end.body_rate) < 350.0);
         let bad = Kinematics {
             velocity: Vector3::new(f64::NAN, 0.0, 0.0),
             ..Kinematics::default()
         };
-        let mut world =
-            hovering("x450", model, Integrator::Rk4, &still_air()).in_flight(bad, [0.0; 4]);
+        let mut world = hovering("x450", model, Integrator::Rk4, &still_air()).in_flight(bad, [0.0; 4]);
         world.step(1e-3, None);
         assert!(world.diverged().is_some());
     }
@@ -465,12 +424,7 @@ fn a_divergence_names_what_and_when_and_nothing_becomes_nan() {
 
 #[test]
 fn a_step_that_is_no_time_does_nothing() {
-    let mut world = hovering(
-        "os4",
-        ModelKind::Rigid,
-        Integrator::Rk4,
-        &Conditions::reference(),
-    );
+    let mut world = hovering("os4", ModelKind::Rigid, Integrator::Rk4, &Conditions::reference());
     let before = run(&mut world, 0.1, 1e-3, None);
     for dt in [0.0, -1.0, f64::NAN, 1e-10] {
         world.step(dt, Some([65_535; 4]));
@@ -495,8 +449,7 @@ fn energy_is_power_over_time() {
             truth.power
         );
         let plant = Vehicle::named(name).unwrap().plant;
-        let shaft =
-            4.0 * plant.k_z * plant.hover_speed() * plant.hover_speed() * plant.hover_speed();
+        let shaft = 4.0 * plant.k_z * plant.hover_speed() * plant.hover_speed() * plant.hover_speed();
         assert!((truth.power * 0.6 / shaft - 1.0).abs() < 1e-3);
     }
 }

@@ -32,7 +32,7 @@ parameters! {
         acceptance_radius: "NAV_ACC_RAD", "m", 0.05..=100.0, 2.0, "A waypoint is reached within this distance, where its item gives none";
         return_altitude: "RTL_RETURN_ALT", "m", 0.0..=150.0, 30.0, "Height above home at which the vehicle returns";
         altitude_max: "MIS_ALT_MAX", "m", 1.0..=5000.0, 500.0, "Missions that go higher above home, or further below, are refused";
-        distance_max: "MIS_DIST_MAX", "m", 10.0..=100000.0, 20000.0, "Missions that go further from home are refused";
+        distance_max: "MIS_DIST_MAX", "m", 10.0..=9000.0, 5000.0, "Missions that go further from home are refused";
         yaw_mode: "MIS_YAW_MODE", "", 0.0..=1.0, 0.0, "Heading where an item gives none: 0 stays, 1 along the path";
         yaw_rate: "MIS_YAW_RATE", "rad/s", 0.05..=6.0, 0.8, "Largest heading rate of missions";
         yaw_acceleration: "MIS_YAW_ACC", "rad/s^2", 0.05..=20.0, 1.6, "Largest heading acceleration of missions";
@@ -178,6 +178,11 @@ impl MissionExecutor {
     /// Whether nothing is left to do.
     pub fn is_finished(&self) -> bool {
         self.state == State::Finished
+    }
+
+    /// Where the leg that is being flown leads, NED, m.
+    pub fn leg_end(&self) -> Vector3 {
+        self.current.target
     }
 
     /// Index of the item that is being flown to or worked on.

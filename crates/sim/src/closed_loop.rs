@@ -1,0 +1,237 @@
+//! The core and the world, tick by tick: what the firmware does with interrupts and tasks.
+
+use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::{
+    ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterReport,
+    OuterResult, Queues, ScheduleRecord, Snapshot, Urgent,
+};
+use windhover_math::{Quaternion, Vector3};
+use windhover_model::random::Random;
+use windhover_model::{Truth, World};
+
+/// Ways in which a real board disturbs the schedule, drawn at random from a seed.
+#[derive(Clone, Debug)]
+pub struct Disruption {
+    random: Random,
+    /// Chance that an outer result is late.
+    pub late: f64,
+    /// By at most so many boundaries.
+    pub late_most: u32,
+    /// Chance that samples go missing, each tick.
+    pub missing: f64,
+    /// At most so many in a row.
+    pub missing_most: u32,
+    missing_left: u32,
+}
+
+impl Disruption {
+    /// Disruptions that follow from `seed`.
+    pub fn new(seed: u64, late: f64, late_most: u32, missing: f64, missing_most: u32) -> Self {
+        Self {
+            random: Random::new(seed, 77),
+            late,
+            late_most,
+            missing,
+            missing_most,
+            missing_left: 0,
+        }
+    }
+
+    fn lateness(&mut self) -> u32 {
+        if self.random.uniform() < self.late {
+            (self.random.uniform() * f64::from(self.late_most)) as u32
+        } else {
+            0
+        }
+    }
+
+    fn is_missing(&mut self) -> bool {
+        if self.missing_left > 0 {
+            self.missing_left -= 1;
+            return true;
+        }
+        let begins = self.random.uniform() < self.missing;
+        if begins {
+            self.missing_left = (self.random.uniform() * f64::from(self.missing_most)) as u32;
+        }
+        begins
+    }
+}
+
+/// Sees everything that goes into the core and comes out of it.
+pub trait Recorder {
+    /// One tick.
+    fn tick(&mut self, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>);
+    /// One snapshot, as the outer step gets it.
+    fn snapshot(&mut self, snapshot: &Snapshot);
+}
+
+/// Records nothing.
+impl Recorder for () {
+    #[inline(always)]
+    fn tick(&mut self, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
+    #[inline(always)]
+    fn snapshot(&mut self, _: &Snapshot) {}
+}
+
+/// A vehicle in its world, flown by the core.
+#[derive(Clone, Debug)]
+pub struct ClosedLoop {
+    /// The world.
+    pub world: World,
+    /// Inputs of the outer step: whoever stands outside puts them here.
+    pub queues: Queues,
+    /// The next tick's urgent command.
+    pub urgent: Option<Urgent>,
+    inner: Inner,
+    outer: Outer,
+    mission: Vec<MissionItem>,
+    ready: Option<OuterResult>,
+    /// A result that is not ready yet, and how many boundaries it is still late.
+    late: Option<(OuterResult, u32)>,
+    disruption: Option<Disruption>,
+    period: f64,
+    period_us: u64,
+    time_us: u64,
+}
+
+impl ClosedLoop {
+    /// The core `outer` in `world`, with the mission that is stored on board.
+    pub fn new(world: World, config: InnerConfig, outer: Outer, mission: Vec<MissionItem>) -> Self {
+        Self {
+            world,
+            queues: Queues::default(),
+            urgent: None,
+            inner: Inner::new(config, outer.inner_parameters()),
+            outer,
+            mission,
+            ready: None,
+            late: None,
+            disruption: None,
+            period: 1.0 / f64::from(config.imu_rate),
+            period_us: 1_000_000 / u64::from(config.imu_rate),
+            time_us: 0,
+        }
+    }
+
+    /// The same, with results that come late and samples that are missing.
+    pub fn disrupted(mut self, disruption: Disruption) -> Self {
+        self.disruption = Some(disruption);
+        self
+    }
+
+    /// The outer step, for its parameters.
+    pub fn outer(&self) -> &Outer {
+        &self.outer
+    }
+
+    /// The mission that is stored on board.
+    pub fn mission(&self) -> &[MissionItem] {
+        &self.mission
+    }
+
+    /// One tick: the core on a sample of the world, then the world under the core's command.
+    /// Gives the outer step's report when it has made a step, with the truth it was made from.
+    #[inline]
+    pub fn tick<R: Recorder>(&mut self, recorder: &mut R) -> Tick {
+        let truth = self.world.truth();
+        let input = self.input(&truth);
+        self.release();
+        let schedule = self.inner.schedule();
+        if schedule.at_boundary() && (self.ready.is_some() || !schedule.is_busy()) {
+            self.queues.external.push(external(&truth));
+        }
+        let output = self.inner.tick(&input, &mut self.ready, &mut self.queues);
+        recorder.tick(&input, output.motors, output.record);
+        let report = output.snapshot.map(|snapshot| {
+            recorder.snapshot(&snapshot);
+            let result = self.outer.step(&snapshot, self.mission.as_slice());
+            let report = result.report.clone();
+            self.post(result);
+            (snapshot, report)
+        });
+        self.world.step(self.period, output.motors.rotors());
+        self.time_us += self.period_us;
+        Tick {
+            truth,
+            motors: output.motors,
+            report,
+        }
+    }
+
+    #[inline]
+    fn input(&mut self, truth: &Truth) -> InnerInput {
+        let missing = self.disruption.as_mut().is_some_and(Disruption::is_missing);
+        let imu = if missing {
+            // The time-out tick comes half a period later than the sample would have.
+            Imu::Missing {
+                time: self.time_us + self.period_us / 2,
+            }
+        } else {
+            Imu::Sample {
+                counts: counts(truth),
+                time: self.time_us,
+            }
+        };
+        InnerInput {
+            imu,
+            urgent: self.urgent.take(),
+        }
+    }
+
+    /// Holds a result back where it is to be late.
+    fn post(&mut self, result: OuterResult) {
+        match self.disruption.as_mut().map_or(0, Disruption::lateness) {
+            0 => self.ready = Some(result),
+            boundaries => self.late = Some((result, boundaries)),
+        }
+    }
+
+    #[inline]
+    fn release(&mut self) {
+        if !self.inner.schedule().at_boundary() {
+            return;
+        }
+        if let Some((result, boundaries)) = self.late.take() {
+            if boundaries == 0 {
+                self.ready = Some(result);
+            } else {
+                self.late = Some((result, boundaries - 1));
+            }
+        }
+    }
+}
+
+/// What one tick gives to those who watch.
+#[derive(Clone, Debug)]
+pub struct Tick {
+    /// The world when the sample was taken.
+    pub truth: Truth,
+    /// What the motors were told.
+    pub motors: MotorCommand,
+    /// The outer step's snapshot and report, when it has made a step.
+    pub report: Option<(Snapshot, OuterReport)>,
+}
+
+#[inline]
+fn counts(truth: &Truth) -> ImuCounts {
+    let ideal = windhover_model::imu::ideal_counts(truth);
+    ImuCounts {
+        accel: ideal.accel,
+        gyro: ideal.gyro,
+    }
+}
+
+fn narrow(v: &Vector3<f64>) -> Vector3 {
+    Vector3::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+/// The truth as an estimate from outside.
+fn external(truth: &Truth) -> ExternalEstimate {
+    let q = &truth.attitude;
+    ExternalEstimate {
+        position: narrow(&truth.position),
+        velocity: narrow(&truth.velocity),
+        attitude: Quaternion::new(q.w as f32, q.x as f32, q.y as f32, q.z as f32),
+    }
+}
