@@ -1,1 +1,3 @@
-//! Placeholder.
+//! The desktop program `windhover` as a library: mission files and reports.
+
+pub mod mission_file;
