@@ -45,7 +45,7 @@ const ECCENTRICITY_SQUARED: f32 = 6.694_38e-3;
 const SMALLEST_PARALLEL: f32 = 1_000.0;
 
 /// A position on the Earth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GlobalPosition {
     /// WGS84 latitude in 1e-7 degrees, north positive.
     pub latitude: i32,

@@ -2,8 +2,8 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterReport,
-    OuterResult, Queues, ScheduleRecord, Snapshot, Urgent,
+    ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterResult,
+    Queues, ScheduleRecord, Snapshot, Urgent,
 };
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::random::Random;
@@ -58,20 +58,44 @@ impl Disruption {
     }
 }
 
-/// Sees everything that goes into the core and comes out of it.
+/// Sees everything that goes into the core and comes out of it, with the truth behind it.
 pub trait Recorder {
     /// One tick.
-    fn tick(&mut self, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>);
-    /// One snapshot, as the outer step gets it.
-    fn snapshot(&mut self, snapshot: &Snapshot);
+    fn tick(
+        &mut self,
+        truth: &Truth,
+        input: &InnerInput,
+        motors: MotorCommand,
+        record: Option<ScheduleRecord>,
+    );
+    /// One outer step: what it worked on and what it made of it.
+    fn outer(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult);
 }
 
 /// Records nothing.
 impl Recorder for () {
     #[inline(always)]
-    fn tick(&mut self, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
+    fn tick(&mut self, _: &Truth, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
     #[inline(always)]
-    fn snapshot(&mut self, _: &Snapshot) {}
+    fn outer(&mut self, _: &Truth, _: &Snapshot, _: &OuterResult) {}
+}
+
+/// Both record.
+impl<A: Recorder, B: Recorder> Recorder for (&mut A, &mut B) {
+    fn tick(
+        &mut self,
+        truth: &Truth,
+        input: &InnerInput,
+        motors: MotorCommand,
+        record: Option<ScheduleRecord>,
+    ) {
+        self.0.tick(truth, input, motors, record);
+        self.1.tick(truth, input, motors, record);
+    }
+    fn outer(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
+        self.0.outer(truth, snapshot, result);
+        self.1.outer(truth, snapshot, result);
+    }
 }
 
 /// A vehicle in its world, flown by the core.
@@ -131,9 +155,8 @@ impl ClosedLoop {
     }
 
     /// One tick: the core on a sample of the world, then the world under the core's command.
-    /// Gives the outer step's report when it has made a step, with the truth it was made from.
     #[inline]
-    pub fn tick<R: Recorder>(&mut self, recorder: &mut R) -> Tick {
+    pub fn tick<R: Recorder>(&mut self, recorder: &mut R) {
         let truth = self.world.truth();
         let input = self.input(&truth);
         self.release();
@@ -142,21 +165,14 @@ impl ClosedLoop {
             self.queues.external.push(external(&truth));
         }
         let output = self.inner.tick(&input, &mut self.ready, &mut self.queues);
-        recorder.tick(&input, output.motors, output.record);
-        let report = output.snapshot.map(|snapshot| {
-            recorder.snapshot(&snapshot);
+        recorder.tick(&truth, &input, output.motors, output.record);
+        if let Some(snapshot) = output.snapshot {
             let result = self.outer.step(&snapshot, self.mission.as_slice());
-            let report = result.report.clone();
+            recorder.outer(&truth, &snapshot, &result);
             self.post(result);
-            (snapshot, report)
-        });
+        }
         self.world.step(self.period, output.motors.rotors());
         self.time_us += self.period_us;
-        Tick {
-            truth,
-            motors: output.motors,
-            report,
-        }
     }
 
     #[inline]
@@ -200,17 +216,6 @@ impl ClosedLoop {
             }
         }
     }
-}
-
-/// What one tick gives to those who watch.
-#[derive(Clone, Debug)]
-pub struct Tick {
-    /// The world when the sample was taken.
-    pub truth: Truth,
-    /// What the motors were told.
-    pub motors: MotorCommand,
-    /// The outer step's snapshot and report, when it has made a step.
-    pub report: Option<(Snapshot, OuterReport)>,
 }
 
 #[inline]

@@ -1,2 +1,70 @@
-//! x
-fn main() {}
+//! The program `windhover`: flies missions on the desktop.
+
+mod options;
+mod output;
+
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use windhover_sim::flight::{self, Flight};
+
+use options::{Fly, Invocation};
+
+fn main() -> ExitCode {
+    let fly = match options::parse() {
+        Invocation::Fly(fly) => fly,
+        Invocation::Say { text, code } => {
+            if code == 0 {
+                print!("{text}");
+            } else {
+                eprintln!("{text}");
+            }
+            return ExitCode::from(code);
+        }
+    };
+    match run(&fly) {
+        Ok(completed) => ExitCode::from(u8::from(!completed)),
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Flies one mission; whether it was completed. The error is one line for the user.
+fn run(fly: &Fly) -> Result<bool, String> {
+    let request = fly.request()?;
+    flight::closed_loop(&request.setup, &request.mission).map_err(|e| request.explain(&e))?;
+    let quiet = fly.json || !std::io::stderr().is_terminal();
+    let bar = progress_bar(quiet);
+    let start = Instant::now();
+    let flown = flight::fly(&request.setup, &request.mission, &mut (), &mut |share| {
+        bar.set_position((share * 1000.0) as u64);
+    });
+    let wall = start.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+    let mut flown: Flight = flown.map_err(|e| request.explain(&e))?;
+    flown.figures.speed_factor = flown.simulated / windhover_math::max(wall, 1e-9);
+    let report = output::write(fly, &request, &flown)?;
+    if fly.json {
+        println!("{}", output::json(&flown.figures));
+    } else {
+        print!("{}", output::text(&request, &flown, &report));
+    }
+    Ok(flown.figures.completed)
+}
+
+fn progress_bar(quiet: bool) -> ProgressBar {
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(1000), target);
+    if let Ok(style) = ProgressStyle::with_template("flying {bar:40} {percent}%  {elapsed}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -2,8 +2,10 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterInputs, Queues, ScheduleRecord, Snapshot,
+    Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterInputs, OuterResult, Queues, ScheduleRecord,
+    Snapshot,
 };
+use windhover_model::Truth;
 
 use crate::closed_loop::Recorder;
 
@@ -17,13 +19,13 @@ pub struct Recording {
 }
 
 impl Recorder for Recording {
-    fn tick(&mut self, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>) {
+    fn tick(&mut self, _: &Truth, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>) {
         self.inputs.push(*input);
         self.motors.push(motors);
         self.boundaries.extend(record);
     }
 
-    fn snapshot(&mut self, snapshot: &Snapshot) {
+    fn outer(&mut self, _: &Truth, snapshot: &Snapshot, _: &OuterResult) {
         self.frozen.push(snapshot.inputs.clone());
     }
 }

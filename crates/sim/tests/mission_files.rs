@@ -41,22 +41,13 @@ fn a_plan_of_qgroundcontrol() {
     let file = parse(PLAN).unwrap();
     assert_eq!(commands(&file), [22, 16, 2000, 16, 16, 20]);
     assert_eq!(file.home, Some((473_977_507, 85_456_075, 488_931)));
-    assert_eq!(
-        (file.cruise_speed, file.hover_speed),
-        (Some(15.0), Some(5.0))
-    );
+    assert_eq!((file.cruise_speed, file.hover_speed), (Some(15.0), Some(5.0)));
     let takeoff = &file.items[0];
     assert_eq!((takeoff.frame, takeoff.autocontinue), (3, true));
     assert_eq!(takeoff.params[..3], [15.0, 0.0, 0.0]);
     assert!(takeoff.params[3].is_nan());
-    assert_eq!(
-        (takeoff.x, takeoff.y, takeoff.z),
-        (473_977_507, 85_456_075, 50.0)
-    );
-    assert_eq!(
-        (file.items[1].x, file.items[1].y),
-        (473_977_711, 85_466_122)
-    );
+    assert_eq!((takeoff.x, takeoff.y, takeoff.z), (473_977_507, 85_456_075, 50.0));
+    assert_eq!((file.items[1].x, file.items[1].y), (473_977_711, 85_466_122));
     assert!(file.notes.is_empty());
     assert_eq!(file.describe(5), "item 6");
 }
@@ -66,15 +57,8 @@ fn a_survey_is_flown_as_its_stored_items() {
     let file = parse(SURVEY).unwrap();
     let expected = [530, 16, 206, 16, 206, 16, 16, 16, 16, 206, 16, 16, 206];
     assert_eq!(commands(&file), expected);
-    assert_eq!(
-        (file.items[0].x, file.items[0].y),
-        (i32::MAX, i32::MAX),
-        "unset"
-    );
-    assert_eq!(
-        (file.items[1].x, file.items[1].y),
-        (473_977_060, 85_463_397)
-    );
+    assert_eq!((file.items[0].x, file.items[0].y), (i32::MAX, i32::MAX), "unset");
+    assert_eq!((file.items[1].x, file.items[1].y), (473_977_060, 85_463_397));
     assert_eq!(file.describe(0), "item 1");
     assert_eq!(file.describe(7), "item 2 (survey), part 7");
 }
@@ -84,10 +68,7 @@ fn a_waypoint_file_that_begins_with_a_takeoff() {
     let file = parse(WAYPOINTS).unwrap();
     assert_eq!(commands(&file), [22, 16, 16, 20]);
     assert_eq!(file.home, None);
-    assert_eq!(
-        (file.items[3].x, file.items[3].y),
-        (473_977_774, 85_453_247)
-    );
+    assert_eq!((file.items[3].x, file.items[3].y), (473_977_774, 85_453_247));
     assert_eq!(file.describe(3), "item 3 (line 5)");
 }
 
@@ -166,11 +147,7 @@ fn files_that_cannot_be_read() {
 #[test]
 fn broken_json_is_named_by_line() {
     let cut = &PLAN[..900];
-    assert!(
-        refusal(cut).contains("EOF while parsing"),
-        "{}",
-        refusal(cut)
-    );
+    assert!(refusal(cut).contains("EOF while parsing"), "{}", refusal(cut));
     assert_eq!(
         refusal("{\n  nonsense"),
         "x.plan: line 2, column 3: key must be a string; save the plan again in QGroundControl"
@@ -253,11 +230,7 @@ fn fields_of_a_plan_that_are_missing_or_wrong() {
             "\"autoContinue\": 1,",
             "item 1, autoContinue: found 1, true or false is needed",
         ),
-        (
-            "47.39777106",
-            "91",
-            "item 2, latitude: 91 is outside -90 to 90",
-        ),
+        ("47.39777106", "91", "item 2, latitude: 91 is outside -90 to 90"),
         (
             "8.5466122",
             "-180.5",
@@ -322,12 +295,7 @@ fn fields_that_may_be_absent() {
 fn patterns_that_are_not_flown_say_what_to_do() {
     let pattern = |kind: &str| refusal(SURVEY.replace("\"survey\"", &format!("\"{kind}\"")));
     let start = "x.plan: item 2, complexItemType: ";
-    for kind in [
-        "StructureScan",
-        "fwLandingPattern",
-        "vtolLandingPattern",
-        "other",
-    ] {
+    for kind in ["StructureScan", "fwLandingPattern", "vtolLandingPattern", "other"] {
         let message = pattern(kind);
         let expected = format!("{start}\"{kind}\" is not flown; ");
         assert!(message.starts_with(&expected), "{message}");
@@ -361,10 +329,7 @@ fn fences_rally_points_and_other_vehicles_are_noted() {
 #[test]
 fn lines_of_a_waypoint_file_that_are_wrong() {
     let cases = [
-        (
-            "0 1 3 16 0 0 0 0 47 8 20",
-            "line 2: 11 fields, an item has 12",
-        ),
+        ("0 1 3 16 0 0 0 0 47 8 20", "line 2: 11 fields, an item has 12"),
         (
             "1 1 3 16 0 0 0 0 47 8 20 1",
             "line 2: item 1 stands where item 0 is due",
@@ -430,7 +395,8 @@ fn lines_of_a_waypoint_file_that_are_wrong() {
 
 /// A plan with `count` waypoints, compact.
 fn plan_of(count: usize) -> String {
-    let item = r#"{"type":"SimpleItem","autoContinue":true,"command":16,"frame":3,"params":[0,0,0,null,47,8,30]}"#;
+    let item =
+        r#"{"type":"SimpleItem","autoContinue":true,"command":16,"frame":3,"params":[0,0,0,null,47,8,30]}"#;
     let items = vec![item; count].join(",");
     format!(r#"{{"fileType":"Plan","version":1,"mission":{{"version":2,"items":[{items}]}}}}"#)
 }
@@ -439,31 +405,19 @@ fn plan_of(count: usize) -> String {
 fn a_mission_that_is_too_long_is_refused_with_its_length() {
     assert_eq!(parse(plan_of(MAX_ITEMS)).unwrap().items.len(), MAX_ITEMS);
     let message = refusal(plan_of(MAX_ITEMS + 1));
-    assert_eq!(
-        message,
-        "x.plan: has 257 items, a mission holds at most 256"
-    );
+    assert_eq!(message, "x.plan: has 257 items, a mission holds at most 256");
     let million = refusal(plan_of(1_000_000));
-    assert_eq!(
-        million,
-        "x.plan: has 1000000 items, a mission holds at most 256"
-    );
+    assert_eq!(million, "x.plan: has 1000000 items, a mission holds at most 256");
 
     let line = |seq: usize| format!("{seq} 0 3 16 0 0 0 0 47 8 30 1\n");
     let lines: String = (0..300_000).map(line).collect();
     let message = refusal(format!("QGC WPL 110\n{lines}"));
-    assert_eq!(
-        message,
-        "x.plan: has 300000 items, a mission holds at most 256"
-    );
+    assert_eq!(message, "x.plan: has 300000 items, a mission holds at most 256");
 
     let (start, part) = SURVEY.split_once("\"Items\": [").unwrap();
     let many = "{},".repeat(500);
     let message = refusal(format!("{start}\"Items\": [{many}{part}"));
-    assert_eq!(
-        message,
-        "x.plan: has 513 items, a mission holds at most 256"
-    );
+    assert_eq!(message, "x.plan: has 513 items, a mission holds at most 256");
 }
 
 #[test]

@@ -192,10 +192,7 @@ fn every_plot_is_on_the_page_with_its_data() {
     assert_eq!(scene["aspectmode"], "data");
     let wanted = &plots[0].1["data"][1];
     assert_eq!(wanted["z"][1], 30.0, "up, not down");
-    assert_eq!(
-        (&wanted["x"][2], &wanted["y"][2]),
-        (&0.0.into(), &20.0.into())
-    );
+    assert_eq!((&wanted["x"][2], &wanted["y"][2]), (&0.0.into(), &20.0.into()));
     let coordinates = plots[2].1["data"].as_array().expect("traces");
     assert_eq!(coordinates.len(), 9);
     assert_eq!(coordinates[1]["line"]["dash"], "dash");

@@ -227,10 +227,7 @@ mod tests {
     fn the_edges_of_the_globe_are_allowed_and_beyond_is_not() {
         assert_eq!(convert(16, 0, 90.0, -180.0, 0.0).unwrap().x, 900_000_000);
         let refused = |p5, p6| convert(16, 3, p5, p6, 1.0).unwrap_err();
-        assert_eq!(
-            refused(91.0, 0.0),
-            "item 3, latitude: 91 is outside -90 to 90"
-        );
+        assert_eq!(refused(91.0, 0.0), "item 3, latitude: 91 is outside -90 to 90");
         assert_eq!(
             refused(0.0, -181.0),
             "item 3, longitude: -181 is outside -180 to 180"
@@ -252,11 +249,7 @@ mod tests {
             convert(206, 2, 0.5, 0.0, 0.0).unwrap_err(),
             "item 3, parameter 5: 0.5 is not a whole number, and frame 2 has no position"
         );
-        assert!(
-            convert(206, 2, 3e9, 0.0, 0.0)
-                .unwrap_err()
-                .contains("outside")
-        );
+        assert!(convert(206, 2, 3e9, 0.0, 0.0).unwrap_err().contains("outside"));
     }
 
     #[test]

@@ -53,11 +53,7 @@ impl fmt::Display for Place {
         match self {
             Self::File => write!(f, "the file"),
             Self::Item(item) => write!(f, "item {item}"),
-            Self::Part {
-                item,
-                pattern,
-                part,
-            } => {
+            Self::Part { item, pattern, part } => {
                 write!(f, "item {item} ({}), part {part}", one_line(pattern))
             }
             Self::Line { line, seq } => write!(f, "item {seq} (line {line})"),

@@ -142,14 +142,8 @@ mod tests {
         let nested = std::io::repeat(b'{');
         assert!(read_from(nested, 100_000).is_err());
         let zeros = std::io::repeat(0);
-        assert!(matches!(
-            read_from(zeros, 100_000),
-            Err(Problem::NotAMission)
-        ));
+        assert!(matches!(read_from(zeros, 100_000), Err(Problem::NotAMission)));
         let letters = std::io::repeat(b'Q');
-        assert!(matches!(
-            read_from(letters, 100_000),
-            Err(Problem::NotAMission)
-        ));
+        assert!(matches!(read_from(letters, 100_000), Err(Problem::NotAMission)));
     }
 }

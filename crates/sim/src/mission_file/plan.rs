@@ -80,9 +80,7 @@ fn pattern(node: &Node, item: usize, file: &mut MissionFile) -> Result<(), Probl
     let kind = one_line(&node.text(FIELD)?);
     let Some((_, versions, known)) = PATTERNS.iter().find(|(name, ..)| *name == kind) else {
         let advice = match kind.as_str() {
-            "StructureScan" => {
-                "QGroundControl stores no waypoints for it: plan waypoints or a survey"
-            }
+            "StructureScan" => "QGroundControl stores no waypoints for it: plan waypoints or a survey",
             "fwLandingPattern" | "vtolLandingPattern" => {
                 "it is for aeroplanes: end with a land or return item"
             }
@@ -281,20 +279,13 @@ impl<'a> Node<'a> {
         let mut params = [f64::NAN; 7];
         for (index, json) in kept.iter().enumerate() {
             let name = format!("parameter {}", index + 1);
-            params[index] =
-                number(json).ok_or_else(|| self.wrong(&name, json, "a number or null"))?;
+            params[index] = number(json).ok_or_else(|| self.wrong(&name, json, "a number or null"))?;
         }
         Ok(params)
     }
 
     /// Refuses every version but those in `versions`.
-    fn version(
-        &self,
-        key: &str,
-        name: &str,
-        versions: &[f64],
-        known: &'static str,
-    ) -> Result<(), Problem> {
+    fn version(&self, key: &str, name: &str, versions: &[f64], known: &'static str) -> Result<(), Problem> {
         match self.json.get(key) {
             None => Err(Problem::Missing(self.field(name))),
             Some(Json::Number(found)) if versions.contains(found) => Ok(()),

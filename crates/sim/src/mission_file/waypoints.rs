@@ -75,10 +75,7 @@ fn item(text: &str, line: usize, expected: usize, file: &mut MissionFile) -> Res
         let found = words.len();
         return Err(Problem::Fields { line, found });
     }
-    let place = Place::Line {
-        line,
-        seq: expected,
-    };
+    let place = Place::Line { line, seq: expected };
     let found = integer(words[0], 0, &place, u32::MAX)? as usize;
     if found != expected {
         return Err(Problem::Sequence {
@@ -140,11 +137,7 @@ fn number(word: &str, field: usize, place: &Place) -> Result<f64, Problem> {
 
 fn wrong(word: &str, field: Box<Field>, wanted: &'static str) -> Problem {
     let found = format!("\"{}\"", one_line(word));
-    Problem::WrongType {
-        field,
-        found,
-        wanted,
-    }
+    Problem::WrongType { field, found, wanted }
 }
 
 /// Lines of text, none longer than [`LONGEST_LINE`].

@@ -89,9 +89,7 @@ impl Drawings {
             let id = drawing.id;
             add(
                 page,
-                format_args!(
-                    "<script type=\"application/json\" id=\"data-{id}\">{data}</script>\n"
-                ),
+                format_args!("<script type=\"application/json\" id=\"data-{id}\">{data}</script>\n"),
             );
             any = true;
         }
@@ -130,9 +128,7 @@ fn head(page: &mut String, report: &Report) {
         let subtitle = escape(&report.subtitle);
         add(page, format_args!("<p class=\"subtitle\">{subtitle}</p>\n"));
     }
-    page.push_str(
-        "</header>\n<noscript><p class=\"note\">The plots need JavaScript.</p></noscript>\n",
-    );
+    page.push_str("</header>\n<noscript><p class=\"note\">The plots need JavaScript.</p></noscript>\n");
 }
 
 fn figures(page: &mut String, report: &Report) {
@@ -168,10 +164,7 @@ fn conditions(page: &mut String, report: &Report) {
     page.push_str("<section>\n<h2>Conditions</h2>\n<dl class=\"conditions\">\n");
     for (name, value) in &report.conditions {
         let (name, value) = (escape(name), escape(value));
-        add(
-            page,
-            format_args!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"),
-        );
+        add(page, format_args!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
     }
     page.push_str("</dl>\n</section>\n");
 }
@@ -179,11 +172,7 @@ fn conditions(page: &mut String, report: &Report) {
 fn figure(page: &mut String, drawing: &Drawing) {
     let Drawing { id, height, .. } = drawing;
     let alt = escape(&drawing.alt);
-    let over_time = if drawing.over_time {
-        " data-over-time"
-    } else {
-        ""
-    };
+    let over_time = if drawing.over_time { " data-over-time" } else { "" };
     add(
         page,
         format_args!(
@@ -245,10 +234,7 @@ fn events(page: &mut String, report: &Report) {
     );
     for event in &report.events {
         let (time, text) = (number(event.time, 1), escape(&event.text));
-        add(
-            page,
-            format_args!("<li><time>{time} s</time> {text}</li>\n"),
-        );
+        add(page, format_args!("<li><time>{time} s</time> {text}</li>\n"));
     }
     page.push_str("</ol>\n</section>\n");
 }

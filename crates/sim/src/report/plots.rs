@@ -4,8 +4,8 @@ use plotly::common::{
     Anchor, DashType, Font, Line, Marker, MarkerSymbol, Mode, Orientation, Position, Title,
 };
 use plotly::layout::{
-    Annotation, AspectMode, Axis, Camera, CameraCenter, DragMode3D, Eye, HoverMode, LayoutScene,
-    Legend, Margin, Shape, ShapeLine, ShapeType,
+    Annotation, AspectMode, Axis, Camera, CameraCenter, DragMode3D, Eye, HoverMode, LayoutScene, Legend,
+    Margin, Shape, ShapeLine, ShapeType,
 };
 use plotly::{Configuration, Layout, Plot, Scatter, Scatter3D};
 
@@ -15,12 +15,7 @@ use super::{Ned, Report, Sample};
 /// Colours that stand out on white and on near-black, told apart by people who see no red or no
 /// green; lines differ by their dashes too.
 const COLOURS: [&str; 4] = ["#2b7bba", "#d9730d", "#2f9e6e", "#a05fc0"];
-const DASHES: [DashType; 4] = [
-    DashType::Solid,
-    DashType::Dash,
-    DashType::Dot,
-    DashType::DashDot,
-];
+const DASHES: [DashType; 4] = [DashType::Solid, DashType::Dash, DashType::Dot, DashType::DashDot];
 
 /// The colour of photos.
 const PHOTO: &str = "#c0392b";
@@ -126,14 +121,10 @@ pub(super) fn path_from_above(report: &Report) -> Drawing {
     let photos: Vec<Ned> = report.photos.iter().map(|p| p.position).collect();
     let trace = |points: &[Ned]| {
         let axis = |f: fn(&Ned) -> f32| points.iter().map(|p| short(f(p))).collect::<Vec<_>>();
-        Scatter::new(axis(|p| p[1]), axis(|p| p[0]))
-            .hover_template("%{y:.2f} m north<br>%{x:.2f} m east")
+        Scatter::new(axis(|p| p[1]), axis(|p| p[0])).hover_template("%{y:.2f} m north<br>%{x:.2f} m east")
     };
     let mut plot = Plot::new();
-    for (style, name, points) in [
-        (0, "flown", spaced(&flown)),
-        (1, "wanted", report.path.clone()),
-    ] {
+    for (style, name, points) in [(0, "flown", spaced(&flown)), (1, "wanted", report.path.clone())] {
         let trace = trace(&points).name(name).mode(Mode::Lines);
         plot.add_trace(trace.line(line(style)));
     }
@@ -194,11 +185,7 @@ pub(super) fn over_time_all(report: &Report) -> Vec<(&'static str, Drawing)> {
     };
     let together = |title, lines: Vec<TimeLine>| {
         let photos = Curve::default();
-        vec![Panel {
-            title,
-            lines,
-            photos,
-        }]
+        vec![Panel { title, lines, photos }]
     };
     let ned = |of: &dyn Fn(&Sample) -> Ned| (0..3).map(|i| column(i, &|s| of(s)[i])).collect();
     let error = |s: &Sample| core::array::from_fn(|i| s.position[i] - s.position_setpoint[i]);
@@ -284,13 +271,7 @@ pub(super) fn over_time_all(report: &Report) -> Vec<(&'static str, Drawing)> {
 }
 
 /// One plot over time: panels above each other with one time axis, and one legend for all.
-fn over_time(
-    report: &Report,
-    id: &'static str,
-    what: &str,
-    names: &[&str],
-    panels: Vec<Panel>,
-) -> Drawing {
+fn over_time(report: &Report, id: &'static str, what: &str, names: &[&str], panels: Vec<Panel>) -> Drawing {
     const GAP: f64 = 0.05;
     let count = panels.len();
     let height = TOP + BELOW + if count == 1 { 220 } else { count * 150 };

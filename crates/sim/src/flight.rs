@@ -1,0 +1,485 @@
+//! A whole mission: set up, flown to its end, summed up in figures.
+
+use windhover_autopilot::mission::route::Stored;
+use windhover_autopilot::mission::{MissionEvent, Refusal, check};
+use windhover_autopilot::{
+    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterResult, ParameterWrite,
+    Parameters, Preset, Refused, ScheduleRecord, Snapshot,
+};
+use windhover_math::geodesy::GlobalPosition;
+use windhover_math::{Real, Vector3};
+use windhover_model::{Conditions, Integrator, ModelKind, Truth, Vehicle, World};
+
+use crate::closed_loop::{ClosedLoop, Disruption, Recorder};
+use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_polyline};
+use crate::mission_file::MissionFile;
+use crate::report::{Event, Ned, PhotoMark, Sample};
+
+/// Seconds between arming and the start of the mission.
+const SPOOL_UP: f64 = 1.0;
+
+/// A flight that has not come to its end by then is ended, s.
+const TIME_LIMIT: f64 = 4.0 * 3600.0;
+
+/// Seconds between two samples of the report.
+const SAMPLE_PERIOD: f64 = 0.02;
+
+/// What is flown, by what, where.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The vehicle, its model and what its core is told.
+    pub vehicle: Vehicle,
+    /// Which position control.
+    pub preset: Preset,
+    /// Which equations of motion.
+    pub model: ModelKind,
+    /// How they are stepped.
+    pub integrator: Integrator,
+    /// Wind, pushes, payload, seed.
+    pub conditions: Conditions,
+    /// Samples of the IMU per second.
+    pub imu_rate: u32,
+    /// Late results and missing samples.
+    pub disruption: Option<Disruption>,
+    /// Writes to the parameter table in flight: when (s), and what.
+    pub writes: Vec<(f64, ParameterWrite)>,
+}
+
+impl Setup {
+    /// This vehicle in the reference conditions.
+    pub fn reference(vehicle: Vehicle) -> Self {
+        Self {
+            vehicle,
+            preset: Preset::Windhover,
+            model: ModelKind::Rigid,
+            integrator: Integrator::SemiImplicitEuler,
+            conditions: Conditions::reference(),
+            imu_rate: 1000,
+            disruption: None,
+            writes: Vec::new(),
+        }
+    }
+
+    /// What the inner step is made with.
+    pub fn inner_config(&self) -> InnerConfig {
+        InnerConfig {
+            imu_rate: self.imu_rate,
+            rotation: Default::default(),
+        }
+    }
+
+    /// The parameter table: defaults, preset, vehicle file.
+    pub fn parameters(&self) -> Result<Parameters, SetupError> {
+        let mut parameters = Parameters::default();
+        self.preset.apply(&mut parameters);
+        for (name, &value) in &self.vehicle.parameters {
+            let refuse = |refusal| SetupError::Parameter {
+                name: name.clone(),
+                value,
+                refusal,
+            };
+            let index = Parameters::find(name).ok_or(refuse(windhover_parameters::Refusal::Unknown))?;
+            parameters.set(index, value as f32).map_err(refuse)?;
+        }
+        Ok(parameters)
+    }
+
+    /// The outer step as it is at the start.
+    pub fn outer(&self, home: GlobalPosition) -> Result<Outer, SetupError> {
+        Outer::new(self.parameters()?, home).ok_or(SetupError::Vehicle)
+    }
+
+    /// The world at the start.
+    pub fn world(&self) -> World {
+        World::new(&self.vehicle.plant, self.model, self.integrator, &self.conditions)
+    }
+}
+
+/// What keeps a flight from starting.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A parameter of the vehicle file.
+    #[error("[parameters], {name} = {value}: {refusal}")]
+    Parameter {
+        /// Its name.
+        name: String,
+        /// Its value in the file.
+        value: f64,
+        /// What is wrong.
+        refusal: windhover_parameters::Refusal,
+    },
+    /// The parameters describe no vehicle that can fly.
+    #[error("[parameters]: rotors in these places with these coefficients cannot hold the vehicle")]
+    Vehicle,
+    /// The mission is not one that is flown.
+    #[error("{item}, {refusal}")]
+    Mission {
+        /// The item, as a person finds it.
+        item: String,
+        /// What is wrong.
+        refusal: Refusal,
+    },
+}
+
+/// A flight that has been flown.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// Its figures; the speed factor is left to whoever holds the clock.
+    pub figures: Figures,
+    /// Simulated time, s.
+    pub simulated: f64,
+    /// Corners of the path wanted, NED, m.
+    pub path: Vec<Ned>,
+    /// The flight at 50 Hz.
+    pub samples: Vec<Sample>,
+    /// Photos, as the report shows them.
+    pub photos: Vec<PhotoMark>,
+    /// What happened.
+    pub events: Vec<Event>,
+}
+
+/// The home of a mission: what the file says, else the first place in it.
+pub fn home(mission: &MissionFile) -> GlobalPosition {
+    if let Some((latitude, longitude, altitude)) = mission.home {
+        return GlobalPosition {
+            latitude,
+            longitude,
+            altitude,
+        };
+    }
+    let first = mission
+        .items
+        .iter()
+        .find(|item| item.x != 0 && item.y != 0 && item.frame != 2);
+    first.map_or(GlobalPosition::default(), |item| GlobalPosition {
+        latitude: item.x,
+        longitude: item.y,
+        altitude: 0,
+    })
+}
+
+/// Whether the core flies this mission.
+pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(), SetupError> {
+    let stored = Stored {
+        slot: 0,
+        count: mission.items.len() as u16,
+    };
+    check(
+        mission.items.as_slice(),
+        stored,
+        home(mission),
+        &parameters.mission,
+    )
+    .map_err(|(index, refusal)| SetupError::Mission {
+        item: mission.describe(usize::from(index)),
+        refusal,
+    })
+}
+
+/// A mission about to be flown.
+pub fn closed_loop(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
+    let outer = setup.outer(home(mission))?;
+    check_mission(mission, outer.parameters())?;
+    let flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, mission.items.clone());
+    Ok(match &setup.disruption {
+        Some(disruption) => flown.disrupted(disruption.clone()),
+        None => flown,
+    })
+}
+
+/// Flies a mission to its end. `progress` is told the share of the mission that is done, and
+/// `recorder` sees everything.
+pub fn fly<R: Recorder>(
+    setup: &Setup,
+    mission: &MissionFile,
+    recorder: &mut R,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Flight, SetupError> {
+    let mut flown = closed_loop(setup, mission)?;
+    let mut watch = Watch::new(mission.items.len());
+    let rate = f64::from(setup.imu_rate);
+    let mut writes = setup.writes.iter().peekable();
+    command(&mut flown, mission);
+    let mut tick = 0u64;
+    let ended = loop {
+        let time = tick as f64 / rate;
+        while let Some((_, write)) = writes.next_if(|(at, _)| *at <= time) {
+            flown.queues.parameter.push(*write);
+        }
+        if tick == (SPOOL_UP * rate) as u64 {
+            flown.queues.command.push(Command::StartMission);
+        }
+        flown.tick(&mut (&mut watch, &mut *recorder));
+        tick += 1;
+        if tick.is_multiple_of(u64::from(setup.imu_rate)) {
+            progress(watch.progress());
+        }
+        if let Some(ended) = end(&flown.world, &watch, time) {
+            break ended;
+        }
+    };
+    Ok(watch.finish(ended, &flown.world, setup))
+}
+
+/// Before the first tick: the mission is there, and the vehicle is armed.
+fn command(flown: &mut ClosedLoop, mission: &MissionFile) {
+    let commit = MissionCommit {
+        slot: 0,
+        count: mission.items.len() as u16,
+        crc: 0,
+    };
+    flown.queues.command.push(Command::CommitMission(commit));
+    flown.queues.command.push(Command::Arm);
+}
+
+/// Whether the mission was flown to its end, and how it ended.
+fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
+    if let Some(crash) = world.crash() {
+        Some((false, crash.to_string()))
+    } else if let Some(divergence) = world.diverged() {
+        Some((false, divergence.to_string()))
+    } else if let Some(refused) = &watch.refused {
+        Some((false, format!("refused at {time:.3} s: {refused}")))
+    } else if watch.finished {
+        Some((true, format!("mission completed at {time:.1} s")))
+    } else if time >= TIME_LIMIT {
+        Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
+    } else {
+        None
+    }
+}
+
+/// Sums a flight up while it is flown.
+struct Watch {
+    items: usize,
+    item: usize,
+    hash: MotorHash,
+    started: Option<f64>,
+    finished: bool,
+    refused: Option<String>,
+    errors: ErrorSum,
+    reached: usize,
+    photos: Vec<Photo>,
+    marks: Vec<PhotoMark>,
+    events: Vec<Event>,
+    path: Vec<Vector3<f64>>,
+    samples: Vec<Sample>,
+    next_sample: f64,
+    cos_tilt_min: f64,
+    ticks: u64,
+    saturated: u64,
+    time: f64,
+}
+
+impl Recorder for Watch {
+    #[inline]
+    fn tick(&mut self, _: &Truth, _: &InnerInput, motors: MotorCommand, _: Option<ScheduleRecord>) {
+        self.hash.add(motors);
+    }
+
+    fn outer(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
+        self.time = truth.time;
+        for refused in &result.report.refusals {
+            self.refuse(refused);
+        }
+        let Some(setpoint) = result.report.trajectory else {
+            return;
+        };
+        let wanted = setpoint.position.map(f64::from);
+        if self.started.is_none() {
+            self.started = Some(truth.time);
+            self.path.push(truth.position);
+        }
+        self.ticks += u64::from(snapshot.increments.ticks);
+        self.saturated += u64::from(snapshot.increments.saturated);
+        self.errors.add(truth.position - wanted);
+        self.cos_tilt_min = windhover_math::min(self.cos_tilt_min, truth.attitude.cos_tilt());
+        self.follow(result.report.leg_end);
+        for event in &result.report.events {
+            self.event(event, truth, wanted);
+        }
+        if truth.time >= self.next_sample {
+            self.next_sample = truth.time + SAMPLE_PERIOD - 1e-6;
+            self.samples.push(sample(truth, wanted, result));
+        }
+    }
+}
+
+impl Watch {
+    fn new(items: usize) -> Self {
+        Self {
+            items,
+            item: 0,
+            hash: MotorHash::default(),
+            started: None,
+            finished: false,
+            refused: None,
+            errors: ErrorSum::default(),
+            reached: 0,
+            photos: Vec::new(),
+            marks: Vec::new(),
+            events: Vec::new(),
+            path: Vec::new(),
+            samples: Vec::new(),
+            next_sample: 0.0,
+            cos_tilt_min: 1.0,
+            ticks: 0,
+            saturated: 0,
+            time: 0.0,
+        }
+    }
+
+    fn progress(&self) -> f64 {
+        self.item as f64 / self.items.max(1) as f64
+    }
+
+    fn refuse(&mut self, refused: &Refused) {
+        match refused {
+            Refused::Command(command, blocker) => self.refused = Some(format!("{command:?}, {blocker:?}")),
+            Refused::Parameter(write, refusal) => self.events.push(Event {
+                time: self.time as f32,
+                text: format!("parameter {} = {} refused: {refusal}", write.index, write.value),
+            }),
+        }
+    }
+
+    /// A new leg is a new corner of the path.
+    fn follow(&mut self, leg_end: Option<Vector3>) {
+        let Some(corner) = leg_end.map(|corner| corner.map(f64::from)) else {
+            return;
+        };
+        if self.path.last() != Some(&corner) {
+            self.path.push(corner);
+        }
+    }
+
+    fn event(&mut self, event: &MissionEvent, truth: &Truth, wanted: Vector3<f64>) {
+        match *event {
+            MissionEvent::Reached(item) => {
+                self.reached += 1;
+                self.item = usize::from(item) + 1;
+            }
+            MissionEvent::Missed(item) => self.note(truth, format!("item {} was not reached", item + 1)),
+            MissionEvent::Photo {
+                item,
+                target,
+                settled,
+            } => self.photo(usize::from(item) + 1, target, settled, truth, wanted),
+            MissionEvent::Landed => self.note(truth, "landed".into()),
+            MissionEvent::Finished => {
+                self.finished = true;
+                self.item = self.items;
+            }
+        }
+    }
+
+    fn note(&mut self, truth: &Truth, text: String) {
+        self.events.push(Event {
+            time: truth.time as f32,
+            text,
+        });
+    }
+
+    fn photo(
+        &mut self,
+        item: usize,
+        target: Option<Vector3>,
+        settled: bool,
+        truth: &Truth,
+        wanted: Vector3<f64>,
+    ) {
+        let point = target.map_or(wanted, |target| target.map(f64::from));
+        let photo = Photo {
+            item,
+            time_s: truth.time,
+            stop: target.is_some(),
+            settled,
+            position_error_m: Axes::from(truth.position - point).length(),
+            speed_m_s: Axes::from(truth.velocity).length(),
+            tilt_deg: libm::acos(truth.attitude.cos_tilt().clamp(-1.0, 1.0)).to_degrees(),
+        };
+        self.marks.push(PhotoMark {
+            time: photo.time_s as f32,
+            position: ned(truth.position),
+            position_error: photo.position_error_m as f32,
+            speed: photo.speed_m_s as f32,
+            tilt: photo.tilt_deg as f32,
+        });
+        self.photos.push(photo);
+        self.item = item;
+    }
+
+    fn finish(mut self, (completed, ended): (bool, String), world: &World, setup: &Setup) -> Flight {
+        let truth = world.truth();
+        if !completed {
+            self.note(&truth, ended.clone());
+        }
+        for push in &setup.conditions.pushes {
+            let [north, east, down] = [push.force.x, push.force.y, push.force.z];
+            let text = format!(
+                "push of {north} N north, {east} N east, {down} N down for {} s",
+                push.duration
+            );
+            self.events.push(Event {
+                time: push.start as f32,
+                text,
+            });
+        }
+        self.events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let figures = Figures {
+            completed,
+            ended,
+            duration_s: truth.time - self.started.unwrap_or(truth.time),
+            waypoints_reached: self.reached,
+            photos: self.photos,
+            rmse_m: self.errors.rms(),
+            max_error_m: self.errors.largest(),
+            cross_track_rmse_m: cross_track(&self.samples, &self.path),
+            tilt_max_deg: libm::acos(self.cos_tilt_min.clamp(-1.0, 1.0)).to_degrees(),
+            saturated_fraction: self.saturated as f64 / self.ticks.max(1) as f64,
+            energy_j: truth.energy,
+            speed_factor: 0.0,
+            motor_hash: self.hash.to_string(),
+            seed: setup.conditions.seed,
+        };
+        Flight {
+            figures,
+            simulated: truth.time,
+            path: self.path.into_iter().map(ned).collect(),
+            samples: self.samples,
+            photos: self.marks,
+            events: self.events,
+        }
+    }
+}
+
+fn cross_track(samples: &[Sample], path: &[Vector3<f64>]) -> f64 {
+    let distance = |sample: &Sample| {
+        let [north, east, down] = sample.position.map(f64::from);
+        distance_to_polyline(Vector3::new(north, east, down), path)
+    };
+    let sum: f64 = samples.iter().map(distance).map(|d| d * d).sum();
+    (sum / samples.len().max(1) as f64).sqrt()
+}
+
+fn ned(v: Vector3<f64>) -> Ned {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+fn degrees<T: Real + Into<f64>>(attitude: windhover_math::Quaternion<T>) -> [f32; 3] {
+    let euler = attitude.to_euler();
+    [euler.roll, euler.pitch, euler.yaw].map(|angle| angle.into().to_degrees() as f32)
+}
+
+fn sample(truth: &Truth, wanted: Vector3<f64>, result: &OuterResult) -> Sample {
+    Sample {
+        time: truth.time as f32,
+        position: ned(truth.position),
+        position_setpoint: ned(wanted),
+        velocity: ned(truth.velocity),
+        attitude: degrees(truth.attitude),
+        attitude_setpoint: degrees(result.setpoint.attitude),
+        rotor_speed: truth.rotor_speed.map(|speed| speed as f32),
+        wind: ned(truth.wind),
+    }
+}

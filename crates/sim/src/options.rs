@@ -1,0 +1,333 @@
+//! The command line: what may be asked for, and what is wrong with what was asked for.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use windhover_autopilot::Preset;
+use windhover_math::Vector3;
+use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, Vehicle, mean_wind_from};
+use windhover_sim::flight::{Setup, SetupError};
+use windhover_sim::mission_file::{self, MissionFile};
+
+/// The mission that is flown when none is named.
+const DEFAULT_MISSION: &str = "missions/monitoring.plan";
+const DEFAULT_MISSION_TEXT: &[u8] = include_bytes!("../../../missions/monitoring.plan");
+
+/// Autopilot for quadcopters that fly waypoint missions for monitoring, on the desktop.
+///
+/// Without a command, flies missions/monitoring.plan in the reference conditions.
+#[derive(Debug, Parser)]
+#[command(name = "windhover", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Sub>,
+    #[command(flatten)]
+    fly: Fly,
+}
+
+#[derive(Debug, Subcommand)]
+enum Sub {
+    /// Fly a mission in a simulated world, print its figures and write a report.
+    Fly(Fly),
+}
+
+/// Options of `windhover fly`.
+#[derive(Clone, Debug, Args)]
+pub struct Fly {
+    /// Mission file: QGroundControl's .plan or a waypoint file (QGC WPL 110)
+    /// [default: missions/monitoring.plan]
+    file: Option<PathBuf>,
+    /// Vehicle: os4, x450, or a vehicle file
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "os4")]
+    vehicle: String,
+    /// Position control: the paper's gains in a plain cascade, or ours with feed-forward and
+    /// disturbance observer
+    #[arg(long, default_value = "windhover")]
+    preset: PresetName,
+    /// Mean wind in m/s and the direction in degrees that it comes from
+    #[arg(
+        long,
+        value_name = "SPEED,FROM_DEG",
+        default_value = "4.47,206.6",
+        allow_hyphen_values = true
+    )]
+    wind: Numbers<2>,
+    /// Standard deviation of the gusts in m/s
+    #[arg(
+        long,
+        value_name = "M_PER_S",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
+    gust: f64,
+    /// A push: from T seconds on, a force north, east, down in N, for so many seconds; may be
+    /// repeated, and takes the place of the default ones [default: 30,4,0,0,0.5 and 60,0,4,0,0.5]
+    #[arg(long, value_name = "T,FN,FE,FD,SECONDS", allow_hyphen_values = true)]
+    push: Vec<Numbers<5>>,
+    /// Payload in kg that the controllers do not know of
+    #[arg(long, value_name = "KG", default_value_t = 0.0, allow_hyphen_values = true)]
+    payload: f64,
+    /// Equations of motion: simple is eq. (1) of the paper, paper is eq. (8), rigid a full rigid
+    /// body
+    #[arg(long, default_value = "rigid")]
+    model: ModelName,
+    /// Fly on the true state; for now the only way, and always so with simple and paper
+    #[arg(long)]
+    truth: bool,
+    /// Everything random follows from it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Folder for report.html and figures.json [default: flights/NAME_OF_THE_MISSION]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the figures as one JSON object, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PresetName {
+    Paper,
+    Windhover,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ModelName {
+    Simple,
+    Paper,
+    Rigid,
+}
+
+/// Numbers with commas between them, all finite.
+#[derive(Clone, Copy, Debug)]
+struct Numbers<const N: usize>([f64; N]);
+
+impl<const N: usize> FromStr for Numbers<N> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<f64>, String> = text
+            .split(',')
+            .map(|part| match part.trim().parse::<f64>() {
+                Ok(number) if number.is_finite() => Ok(number),
+                _ => Err(format!("'{part}' is not a finite number")),
+            })
+            .collect();
+        let numbers = numbers?;
+        let count = numbers.len();
+        numbers
+            .try_into()
+            .map(Self)
+            .map_err(|_| format!("{N} numbers with commas between them are wanted, not {count}"))
+    }
+}
+
+/// What the command line asks for.
+pub enum Invocation {
+    /// A flight.
+    Fly(Fly),
+    /// Help, version, or what is wrong.
+    Say {
+        /// The text.
+        text: String,
+        /// The exit code.
+        code: u8,
+    },
+}
+
+/// Reads the command line.
+pub fn parse() -> Invocation {
+    match Cli::try_parse() {
+        Ok(
+            Cli {
+                command: Some(Sub::Fly(fly)),
+                ..
+            }
+            | Cli { command: None, fly },
+        ) => Invocation::Fly(fly),
+        Err(error) if !error.use_stderr() => Invocation::Say {
+            text: error.to_string(),
+            code: 0,
+        },
+        Err(error) => Invocation::Say {
+            text: one_line(&error.to_string()),
+            code: 2,
+        },
+    }
+}
+
+/// Clap's message without the usage below it.
+fn one_line(message: &str) -> String {
+    let told = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:"));
+    let told: Vec<&str> = told
+        .filter(|line| !line.is_empty() && !line.starts_with("For more"))
+        .collect();
+    format!("{}; see --help", told.join(" "))
+}
+
+/// A flight as asked for, with everything read that it needs.
+pub struct Request {
+    /// What is flown, by what, where.
+    pub setup: Setup,
+    /// The mission.
+    pub mission: MissionFile,
+    /// The mission's file as the user named it.
+    pub mission_name: PathBuf,
+    vehicle_name: String,
+    /// Words for the report: which model, preset and so on.
+    pub model: String,
+    /// Name of the preset.
+    pub preset: String,
+}
+
+impl Request {
+    /// One line for the user that names the file that is at fault.
+    pub fn explain(&self, error: &SetupError) -> String {
+        match error {
+            SetupError::Mission { .. } => format!("{}: {error}", self.mission_name.display()),
+            SetupError::Parameter { .. } | SetupError::Vehicle => format!("{}: {error}", self.vehicle_name),
+        }
+    }
+}
+
+impl Fly {
+    /// Reads the files and checks the options. The error is one line.
+    pub fn request(&self) -> Result<Request, String> {
+        let conditions = self.conditions()?;
+        let vehicle = read_vehicle(&self.vehicle)?;
+        let (mission_name, mut mission) = self.mission()?;
+        if matches!(self.model, ModelName::Simple) {
+            hold_heading(&mut mission);
+        }
+        Ok(Request {
+            setup: Setup {
+                vehicle,
+                preset: match self.preset {
+                    PresetName::Paper => Preset::Paper,
+                    PresetName::Windhover => Preset::Windhover,
+                },
+                model: match self.model {
+                    ModelName::Simple => ModelKind::Simple,
+                    ModelName::Paper => ModelKind::Paper,
+                    ModelName::Rigid => ModelKind::Rigid,
+                },
+                integrator: Integrator::SemiImplicitEuler,
+                conditions,
+                imu_rate: 1000,
+                disruption: None,
+                writes: Vec::new(),
+            },
+            mission,
+            mission_name,
+            vehicle_name: self.vehicle.clone(),
+            model: format!("{:?}", self.model).to_lowercase(),
+            preset: format!("{:?}", self.preset).to_lowercase(),
+        })
+    }
+
+    fn conditions(&self) -> Result<Conditions, String> {
+        let Numbers([speed, from]) = self.wind;
+        if speed < 0.0 {
+            return Err(format!("--wind: a speed of {speed} m/s; must be 0 or more"));
+        }
+        let mut conditions = Conditions {
+            wind: mean_wind_from(speed, from),
+            gust: self.gust,
+            payload: Payload::new(self.payload).map_err(|e| format!("--payload: {e}"))?,
+            seed: self.seed,
+            ..Conditions::reference()
+        };
+        if !self.push.is_empty() {
+            let push = |Numbers([start, n, e, d, duration]): &Numbers<5>| Push {
+                start: *start,
+                force: Vector3::new(*n, *e, *d),
+                duration: *duration,
+            };
+            conditions.pushes = self.push.iter().map(push).collect();
+        }
+        conditions.validate().map_err(|e| e.to_string())?;
+        Ok(conditions)
+    }
+
+    fn mission(&self) -> Result<(PathBuf, MissionFile), String> {
+        let default = Path::new(DEFAULT_MISSION);
+        let (name, read) = match &self.file {
+            Some(file) => (file.as_path(), mission_file::read(file)),
+            None => (default, mission_file::read_bytes(default, DEFAULT_MISSION_TEXT)),
+        };
+        Ok((name.to_path_buf(), read.map_err(|e| e.to_string())?))
+    }
+
+    /// Where the report goes.
+    pub fn folder(&self, mission: &Path) -> PathBuf {
+        let stem = mission.file_stem().unwrap_or("flight".as_ref());
+        self.out
+            .clone()
+            .unwrap_or_else(|| Path::new("flights").join(stem))
+    }
+}
+
+/// A vehicle by its name, or from a file.
+fn read_vehicle(name: &str) -> Result<Vehicle, String> {
+    let is_file = name.ends_with(".toml") || name.contains(std::path::MAIN_SEPARATOR);
+    if !is_file {
+        return Vehicle::named(name).map_err(|e| format!("--vehicle: {e}"));
+    }
+    let text = std::fs::read_to_string(name).map_err(|e| format!("{name}: {e}"))?;
+    Vehicle::from_toml(&text).map_err(|e| format!("{name}: {e}"))
+}
+
+/// Equation (1) has no heading: the mission's headings are left out.
+fn hold_heading(mission: &mut MissionFile) {
+    let waypoint = windhover_autopilot::mission::action::command::NAV_WAYPOINT;
+    let mut left_out = false;
+    for item in mission.items.iter_mut().filter(|item| item.command == waypoint) {
+        left_out |= !item.params[3].is_nan();
+        item.params[3] = f32::NAN;
+    }
+    if left_out {
+        mission
+            .notes
+            .push("model simple has no heading: the mission's headings are left out".into());
+    }
+}
+
+/// The command line as clap sees it, for its own check.
+#[allow(dead_code)]
+fn command() -> clap::Command {
+    Cli::command()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn numbers_are_told_apart() {
+        assert!("1,2".parse::<Numbers<2>>().is_ok());
+        for wrong in ["1", "1,2,3", "1,nan", "1,inf", "a,b", ""] {
+            assert!(wrong.parse::<Numbers<2>>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn errors_are_one_line() {
+        let error = Cli::try_parse_from(["windhover", "fly", "--wind", "x"])
+            .unwrap_err()
+            .to_string();
+        let line = one_line(&error);
+        assert!(
+            line.starts_with("error: ") && !line.contains('\n') && line.contains("--wind"),
+            "{line}"
+        );
+    }
+}
