@@ -7,16 +7,24 @@ pub(super) const MOST_POINTS: usize = 3000;
 /// those where a column is lowest or highest, and one where a column has a gap. All columns keep
 /// the same rows, or values side by side would not be of the same instant.
 pub(super) fn rows(columns: &[&[f32]]) -> Vec<usize> {
-    let len = columns
-        .iter()
-        .map(|c| c.len())
-        .reduce(usize::min)
-        .unwrap_or(0);
+    let len = columns.iter().map(|c| c.len()).reduce(usize::min);
+    let len = len.unwrap_or(0);
     if len <= MOST_POINTS {
         return (0..len).collect();
     }
-    let most = 3 * columns.len();
-    let stretch = len.div_ceil(MOST_POINTS / most);
+    // Often the same row is extreme in several ways: try short stretches first. The last try
+    // cannot be too long.
+    let most_in_stretch = 3 * columns.len();
+    let tries = (1..=most_in_stretch).map(|in_stretch| {
+        let stretch = len.div_ceil(MOST_POINTS / in_stretch);
+        extremes(columns, len, stretch)
+    });
+    let mut fitting = tries.filter(|rows| rows.len() <= MOST_POINTS);
+    fitting.next().unwrap_or_default()
+}
+
+/// The rows of each stretch where a column is lowest, highest, or has a gap.
+fn extremes(columns: &[&[f32]], len: usize, stretch: usize) -> Vec<usize> {
     let mut rows = Vec::new();
     for start in (0..len).step_by(stretch) {
         let end = (start + stretch).min(len);
@@ -76,6 +84,25 @@ mod tests {
         for row in [4321, 50_000, 70_001, 99_999] {
             assert!(rows.binary_search(&row).is_ok(), "{row}");
         }
+    }
+
+    #[test]
+    fn wild_columns_full_of_gaps_stay_within_the_bound() {
+        let wild = |seed: usize| -> Vec<f32> {
+            let value = |row: usize| (row * 7919 + seed) % 1013;
+            let gap = |v: usize| {
+                if v.is_multiple_of(5) {
+                    f32::NAN
+                } else {
+                    v as f32
+                }
+            };
+            (0..200_000).map(|row| gap(value(row))).collect()
+        };
+        let columns: Vec<Vec<f32>> = (0..4).map(|i| wild(i * 31)).collect();
+        let columns: Vec<&[f32]> = columns.iter().map(Vec::as_slice).collect();
+        let rows = rows(&columns);
+        assert!((1000..=MOST_POINTS).contains(&rows.len()), "{}", rows.len());
     }
 
     #[test]
