@@ -3,39 +3,43 @@
 /// The most points of one curve.
 pub(super) const MOST_POINTS: usize = 3000;
 
-/// A curve to draw; what is not finite is a gap.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Curve {
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
+/// Which rows of some columns to draw, so that a peak of one sample is still seen: of each stretch
+/// those where a column is lowest or highest, and one where a column has a gap. All columns keep
+/// the same rows, or values side by side would not be of the same instant.
+pub(super) fn rows(columns: &[&[f32]]) -> Vec<usize> {
+    let len = columns.iter().map(|c| c.len()).reduce(usize::min);
+    let len = len.unwrap_or(0);
+    if len <= MOST_POINTS {
+        return (0..len).collect();
+    }
+    // Often the same row is extreme in several ways: try short stretches first. The last try
+    // cannot be too long.
+    let most_in_stretch = 3 * columns.len();
+    let tries = (1..=most_in_stretch).map(|in_stretch| {
+        let stretch = len.div_ceil(MOST_POINTS / in_stretch);
+        extremes(columns, len, stretch)
+    });
+    let mut fitting = tries.filter(|rows| rows.len() <= MOST_POINTS);
+    fitting.next().unwrap_or_default()
 }
 
-/// Thins out a curve over time: of each stretch its lowest and highest value stay, in order, so
-/// that a peak of one sample is still seen, and a gap stays a gap.
-pub(super) fn envelope(points: impl ExactSizeIterator<Item = (f32, f32)>) -> Curve {
-    let mut curve = Curve::default();
-    let mut push = |(x, y): (f32, f32)| {
-        curve.x.push(short(x));
-        curve.y.push(short(y));
-    };
-    // A lowest, a highest and a gap in each stretch.
-    let stretch = points.len().div_ceil(MOST_POINTS / 3);
-    if points.len() <= MOST_POINTS {
-        points.for_each(push);
-        return curve;
+/// The rows of each stretch where a column is lowest, highest, or has a gap.
+fn extremes(columns: &[&[f32]], len: usize, stretch: usize) -> Vec<usize> {
+    let mut rows = Vec::new();
+    for start in (0..len).step_by(stretch) {
+        let end = (start + stretch).min(len);
+        for column in columns {
+            let finite = || (start..end).filter(|row| column[*row].is_finite());
+            let lower = |a: usize, b: usize| if column[b] < column[a] { b } else { a };
+            let higher = |a: usize, b: usize| if column[b] > column[a] { b } else { a };
+            rows.extend(finite().reduce(lower));
+            rows.extend(finite().reduce(higher));
+            rows.extend((start..end).find(|row| !column[*row].is_finite()));
+        }
     }
-    let points: Vec<_> = points.collect();
-    for stretch in points.chunks(stretch) {
-        let finite = || stretch.iter().enumerate().filter(|(_, p)| p.1.is_finite());
-        let lowest = finite().reduce(|a, b| if b.1.1 < a.1.1 { b } else { a });
-        let highest = finite().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
-        let gap = stretch.iter().enumerate().find(|(_, p)| !p.1.is_finite());
-        let mut chosen: Vec<_> = [lowest, highest, gap].into_iter().flatten().collect();
-        chosen.sort_by_key(|(index, _)| *index);
-        chosen.dedup_by_key(|(index, _)| *index);
-        chosen.into_iter().for_each(|(_, point)| push(*point));
-    }
-    curve
+    rows.sort_unstable();
+    rows.dedup();
+    rows
 }
 
 /// Evenly spaced elements, the first and the last among them.
@@ -59,34 +63,50 @@ mod tests {
 
     #[test]
     fn few_points_stay_as_they_are() {
-        let points = [(0.0, 1.0), (1.0, f32::NAN), (2.0, 0.123_456)];
-        let curve = envelope(points.into_iter());
-        assert_eq!(curve.x, [0.0, 1.0, 2.0]);
-        assert_eq!(curve.y[2], 0.1235);
-        assert!(curve.y[1].is_nan());
-        assert_eq!(envelope([].into_iter()), Curve::default());
+        assert_eq!(rows(&[&[1.0, f32::NAN, 2.0], &[0.0; 3]]), [0, 1, 2]);
+        assert!(rows(&[]).is_empty() && rows(&[&[]]).is_empty());
         assert_eq!(spaced(&[1, 2]), [1, 2]);
+        assert_eq!(short(0.123_456), 0.1235);
+        assert!(short(f32::NAN).is_nan());
     }
 
     #[test]
-    fn many_points_keep_their_peaks_gaps_order_and_ends() {
-        let mut points: Vec<(f32, f32)> = (0..100_000).map(|i| (i as f32, 0.0)).collect();
-        points[4321].1 = 9.0;
-        points[50_000].1 = -7.0;
-        points[70_001].1 = f32::NAN;
-        let curve = envelope(points.iter().copied());
-        assert!(curve.x.len() <= MOST_POINTS, "{}", curve.x.len());
-        assert!(curve.x.is_sorted());
-        let at = |time: f64| {
-            let index = curve.x.iter().position(|x| *x == time);
-            curve.y[index.expect("kept")]
-        };
-        assert_eq!((at(4321.0), at(50_000.0)), (9.0, -7.0));
-        assert!(at(70_001.0).is_nan());
+    fn many_points_keep_their_peaks_gaps_and_order() {
+        let mut first = vec![0.0; 100_000];
+        let mut second = first.clone();
+        first[4321] = 9.0;
+        first[50_000] = -7.0;
+        second[70_001] = f32::NAN;
+        second[99_999] = 3.0;
+        let rows = rows(&[&first, &second]);
+        assert!(rows.len() <= MOST_POINTS, "{}", rows.len());
+        assert!(rows.is_sorted_by(|a, b| a < b));
+        for row in [4321, 50_000, 70_001, 99_999] {
+            assert!(rows.binary_search(&row).is_ok(), "{row}");
+        }
+    }
 
+    #[test]
+    fn wild_columns_full_of_gaps_stay_within_the_bound() {
+        let wild = |seed: usize| -> Vec<f32> {
+            let value = |row: usize| (row * 7919 + seed) % 1013;
+            let gap = |v: usize| {
+                if v.is_multiple_of(5) { f32::NAN } else { v as f32 }
+            };
+            (0..200_000).map(|row| gap(value(row))).collect()
+        };
+        let columns: Vec<Vec<f32>> = (0..4).map(|i| wild(i * 31)).collect();
+        let columns: Vec<&[f32]> = columns.iter().map(Vec::as_slice).collect();
+        let rows = rows(&columns);
+        assert!((1000..=MOST_POINTS).contains(&rows.len()), "{}", rows.len());
+    }
+
+    #[test]
+    fn a_path_keeps_its_ends() {
+        let points: Vec<usize> = (0..100_000).collect();
         let spaced = spaced(&points);
         assert_eq!(spaced.len(), MOST_POINTS);
-        assert_eq!(spaced.first(), points.first());
-        assert_eq!(spaced.last(), points.last());
+        assert_eq!(spaced.first(), Some(&0));
+        assert_eq!(spaced.last(), Some(&99_999));
     }
 }

@@ -53,7 +53,7 @@
   const link = (all) => {
     let busy = false;
     const follow = (from, change) => {
-      const range = [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      const range = change["xaxis.range"] || [change["xaxis.range[0]"], change["xaxis.range[1]"]];
       const to = change["xaxis.autorange"] ? { "xaxis.autorange": true } : { "xaxis.range": range };
       if (busy || (to["xaxis.range"] && range[0] === undefined)) return;
       busy = true;

@@ -35,7 +35,7 @@ pub fn html(report: &Report) -> String {
 /// The plots; none where nothing was recorded.
 struct Drawings {
     path: Vec<Drawing>,
-    over_time: Vec<(&'static str, Drawing)>,
+    over_time: Vec<Drawing>,
 }
 
 impl Drawings {
@@ -47,8 +47,8 @@ impl Drawings {
             };
         }
         Self {
-            path: vec![plots::path_in_space(report), plots::path_from_above(report)],
-            over_time: plots::over_time_all(report),
+            path: vec![plots::in_space(report), plots::from_above(report)],
+            over_time: plots::over_time(report),
         }
     }
 
@@ -72,7 +72,8 @@ impl Drawings {
             "<p class=\"note zoom\">The plots over time zoom together: drag across one to zoom in, double-click to \
              see all again.</p>\n",
         );
-        for (title, drawing) in &self.over_time {
+        for drawing in &self.over_time {
+            let title = drawing.title;
             add(page, format_args!("<section>\n<h2>{title}</h2>\n"));
             figure(page, drawing);
             page.push_str("</section>\n");
@@ -81,9 +82,8 @@ impl Drawings {
 
     /// The data of each plot, the library and what draws them.
     fn scripts(&self, page: &mut String) {
-        let over_time = self.over_time.iter().map(|(_, drawing)| drawing);
         let mut any = false;
-        for drawing in self.path.iter().chain(over_time) {
+        for drawing in self.path.iter().chain(&self.over_time) {
             // As part of a page `</script>` must not occur in it.
             let data = drawing.plot.to_json().replace('<', "\\u003c");
             let id = drawing.id;
@@ -171,7 +171,7 @@ fn conditions(page: &mut String, report: &Report) {
 
 fn figure(page: &mut String, drawing: &Drawing) {
     let Drawing { id, height, .. } = drawing;
-    let alt = escape(&drawing.alt);
+    let alt = escape(drawing.alt);
     let over_time = if drawing.over_time { " data-over-time" } else { "" };
     add(
         page,
