@@ -203,15 +203,13 @@ impl World {
 
     #[cold]
     fn touch_down(&mut self) {
-        match ground::touch_down(&self.state, self.time()) {
-            Ok(contact) => self.contact = contact,
-            Err(crash) => {
-                self.crash = Some(crash);
-                self.state.velocity = Vector3::zeros();
-                self.state.body_rate = Vector3::zeros();
-                self.rotor_speed = [0.0; 4];
-                self.power = 0.0;
-            }
+        self.contact = Contact::Settling;
+        self.crash = ground::crash(&self.state, self.time());
+        if self.crash.is_some() {
+            self.state.velocity = Vector3::zeros();
+            self.state.body_rate = Vector3::zeros();
+            self.rotor_speed = [0.0; 4];
+            self.power = 0.0;
         }
     }
 
