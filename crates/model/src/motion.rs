@@ -1,9 +1,9 @@
 //! The three models behind one step.
 
 use crate::body::{Body, Outside};
-use crate::integrate::{Integrator, SixDegrees, Stage, step};
+use crate::integrate::{Integrator, SixDegrees, step};
 use crate::kinematics::Kinematics;
-use crate::rotor::Wrench;
+use crate::rotor::{RotorForces, StepSpeeds};
 use crate::{paper, rigid, simple};
 
 /// Which equations move the vehicle.
@@ -43,22 +43,23 @@ impl Motion {
         dt: f64,
         state: &Kinematics,
         body: &Body,
-        wrench: impl Fn(Stage) -> Wrench,
+        forces: &RotorForces,
+        speeds: &StepSpeeds,
         outside: &Outside,
     ) -> Kinematics {
         match self {
             Self::Rigid => step(integrator, *state, dt, |state, stage| {
-                rigid::derivative(body, state, &wrench(stage), outside)
+                rigid::derivative(body, state, &forces.wrench(speeds.at(stage)), outside)
             }),
             Self::Paper(own) => {
                 *own = step(integrator, *own, dt, |state, stage| {
-                    paper::derivative(body, state, &wrench(stage), outside)
+                    paper::derivative(body, state, &forces.wrench(speeds.at(stage)), outside)
                 });
                 paper::to_kinematics(own)
             }
             Self::Simple(own) => {
                 *own = step(integrator, *own, dt, |state, stage| {
-                    simple::derivative(body, state, &wrench(stage), outside)
+                    simple::derivative(body, state, &forces.wrench(speeds.at(stage)), outside)
                 });
                 simple::to_kinematics(own)
             }

@@ -102,6 +102,7 @@ mod tests {
                 (end.body_rate - tumbling().body_rate).length() > 0.1,
                 "must tumble"
             );
+            assert!((end.attitude.dot(end.attitude) - 1.0).abs() < 1e-15);
         }
     }
 

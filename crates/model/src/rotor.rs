@@ -2,6 +2,7 @@
 
 use windhover_math::Vector3;
 
+use crate::integrate::Stage;
 use crate::vehicle::Plant;
 
 /// Mechanical power of the rotors over electrical power of the vehicle: propeller shaft, motor
@@ -70,6 +71,29 @@ impl RotorForces {
     pub fn power(&self, speed: &[f64; 4]) -> f64 {
         let cube = speed.map(|w| w * w * w);
         ((cube[0] + cube[1]) + (cube[2] + cube[3])) * (self.k_z / DRIVE_EFFICIENCY)
+    }
+}
+
+/// Rotor speeds during a step in rad/s.
+#[derive(Clone, Copy, Debug)]
+pub struct StepSpeeds {
+    /// At its start.
+    pub start: [f64; 4],
+    /// In its middle.
+    pub middle: [f64; 4],
+    /// At its end.
+    pub end: [f64; 4],
+}
+
+impl StepSpeeds {
+    /// The speeds at a stage of the step.
+    #[inline(always)]
+    pub fn at(&self, stage: Stage) -> &[f64; 4] {
+        match stage {
+            Stage::Start => &self.start,
+            Stage::Middle => &self.middle,
+            Stage::End => &self.end,
+        }
     }
 }
 

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::integrate::{Integrator, step};
     use crate::payload::Payload;
-    use crate::truth::mean_rate;
+    use crate::truth::turn;
     use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
@@ -158,7 +158,7 @@ mod tests {
             let free = |s: &SixDegrees, _| SixDegrees { coordinate: s.speed, speed: [0.0; 6] };
             let before = step(Integrator::Rk4, now, -dt, free);
             let after = step(Integrator::Rk4, now, dt, free);
-            let rate = mean_rate(to_kinematics(&before).attitude, to_kinematics(&after).attitude, 2.0 * dt);
+            let rate = turn(to_kinematics(&before).attitude, to_kinematics(&after).attitude) / (2.0 * dt);
             let found = to_kinematics(&now).body_rate;
             prop_assert!((rate - found).abs().max() < 1e-7, "{rate} {found}");
         }

@@ -8,13 +8,13 @@ use crate::conditions::Conditions;
 use crate::divergence::{Divergence, divergence, is_sound};
 use crate::esc::{Command, Esc, PwmLatch};
 use crate::ground::{self, Contact, Crash};
-use crate::integrate::{Integrator, Stage};
+use crate::integrate::Integrator;
 use crate::kinematics::Kinematics;
 use crate::motion::{ModelKind, Motion};
 use crate::push::Pushes;
 use crate::random::Random;
-use crate::rotor::{LagStep, RotorForces};
-use crate::truth::{Truth, halfway, mean_rate};
+use crate::rotor::{LagStep, RotorForces, StepSpeeds};
+use crate::truth::{Truth, halfway, turn};
 use crate::vehicle::Plant;
 use crate::wind::Wind;
 
@@ -23,14 +23,19 @@ use crate::wind::Wind;
 struct Span {
     ns: u64,
     dt: f64,
+    inverse_dt: f64,
     lag: LagStep,
 }
 
 impl Span {
     fn new(plant: &Plant, ns: u64) -> Self {
         let dt = ns as f64 / 1e9;
-        let lag = LagStep::new(plant, dt);
-        Self { ns, dt, lag }
+        Self {
+            ns,
+            dt,
+            inverse_dt: 1.0 / dt,
+            lag: LagStep::new(plant, dt),
+        }
     }
 }
 
@@ -146,7 +151,11 @@ impl World {
         let target = self.esc.step(start_ns, span.ns, command);
         let middle = span.lag.half(&self.rotor_speed, &target);
         let end = span.lag.half(&middle, &target);
-        let speeds = [self.rotor_speed, middle, end];
+        let speeds = StepSpeeds {
+            start: self.rotor_speed,
+            middle,
+            end,
+        };
         self.rotor_speed = end;
         self.power = self.forces.power(&middle);
         self.energy += self.power * span.dt;
@@ -163,11 +172,17 @@ impl World {
     }
 
     #[inline(always)]
-    fn fly(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
+    fn fly(&mut self, speeds: &StepSpeeds, outside: &Outside) {
         let (integrator, dt) = (self.integrator, self.span.dt);
         let (state, body, forces) = (&self.state, &self.body, &self.forces);
+<<<<<<< HEAD
         let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
         let next = self.motion.step(integrator, dt, state, body, wrench, outside);
+=======
+        let next = self
+            .motion
+            .step(integrator, dt, state, body, forces, speeds, outside);
+>>>>>>> h2
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {
@@ -185,8 +200,8 @@ impl World {
     }
 
     /// On the ground until the vertical force points up.
-    fn rest(&mut self, speeds: &[[f64; 4]; 3], outside: &Outside) {
-        let thrust = self.forces.wrench(&speeds[Stage::Middle as usize]).thrust;
+    fn rest(&mut self, speeds: &StepSpeeds, outside: &Outside) {
+        let thrust = self.forces.wrench(&speeds.middle).thrust;
         let down = self.body.outside_acceleration(Vector3::zeros(), outside).z;
         if thrust / self.body.mass > down {
             self.take_off();
@@ -196,15 +211,13 @@ impl World {
 
     #[cold]
     fn touch_down(&mut self) {
-        match ground::touch_down(&self.state, self.time()) {
-            Ok(contact) => self.contact = contact,
-            Err(crash) => {
-                self.crash = Some(crash);
-                self.state.velocity = Vector3::zeros();
-                self.state.body_rate = Vector3::zeros();
-                self.rotor_speed = [0.0; 4];
-                self.power = 0.0;
-            }
+        self.contact = Contact::Settling;
+        self.crash = ground::crash(&self.state, self.time());
+        if self.crash.is_some() {
+            self.state.velocity = Vector3::zeros();
+            self.state.body_rate = Vector3::zeros();
+            self.rotor_speed = [0.0; 4];
+            self.power = 0.0;
         }
     }
 
@@ -237,8 +250,8 @@ impl World {
     /// Everything there is to know now.
     #[inline]
     pub fn truth(&self) -> Truth {
-        let (now, before, dt) = (&self.state, &self.previous, self.span.dt);
-        let mut acceleration = (now.velocity - before.velocity) * (1.0 / dt);
+        let (now, before, per_step) = (&self.state, &self.previous, self.span.inverse_dt);
+        let mut acceleration = (now.velocity - before.velocity) * per_step;
         acceleration.z -= GRAVITY;
         let middle = halfway(before.attitude, now.attitude);
         Truth {
@@ -247,7 +260,7 @@ impl World {
             velocity: now.velocity,
             attitude: now.attitude,
             body_rate: now.body_rate,
-            mean_rate: mean_rate(before.attitude, now.attitude, dt),
+            mean_rate: turn(before.attitude, now.attitude) * per_step,
             specific_force: middle.inverse_rotate(acceleration),
             rotor_speed: self.rotor_speed,
             wind: self.wind.velocity(),

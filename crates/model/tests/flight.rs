@@ -299,6 +299,62 @@ fn payload_needs_more_thrust_and_turns_more_slowly() {
 }
 
 #[test]
+fn payload_stays_on_the_ground_at_the_thrust_that_lifts_the_vehicle() {
+    let conditions = Conditions {
+        payload: Payload::new(0.7).unwrap(),
+        ..still_air()
+    };
+    for model in MODELS {
+        let mut world = world("x450", model, Integrator::Rk4, &conditions);
+        for _ in 0..1000 {
+            world.step(1e-3, hover_command("x450", [100.0; 4]));
+            assert_eq!(world.contact(), Contact::Resting, "{model:?}");
+        }
+        run(&mut world, 1.0, 1e-3, hover_command("x450", [130.0; 4]));
+        assert_eq!(world.contact(), Contact::Flying, "{model:?}");
+    }
+}
+
+#[test]
+fn gusts_are_shorter_near_the_ground() {
+    let conditions = Conditions {
+        gust: 1.0,
+        ..still_air()
+    };
+    // Mean squared change of the vertical gust in 0.1 s.
+    let change = |height: f64| {
+        let mut sum = 0.0;
+        for seed in 0..200 {
+            let conditions = Conditions {
+                seed,
+                ..conditions.clone()
+            };
+            let state = Kinematics {
+                position: Vector3::new(0.0, 0.0, -height),
+                ..Kinematics::default()
+            };
+            let world = world(
+                "os4",
+                ModelKind::Rigid,
+                Integrator::SemiImplicitEuler,
+                &conditions,
+            );
+            let speed = world.hover_speed();
+            let mut world = world.in_flight(state, [speed; 4]);
+            let before = run(&mut world, 0.1, 1e-3, hover_command("os4", [0.0; 4])).wind.z;
+            let after = run(&mut world, 0.1, 1e-3, hover_command("os4", [0.0; 4])).wind.z;
+            sum += (after - before) * (after - before) / 200.0;
+        }
+        sum
+    };
+    let (low, high) = (change(5.0), change(100.0));
+    assert!(
+        low > 10.0 * high && low < 30.0 * high,
+        "as the heights: {low} {high}"
+    );
+}
+
+#[test]
 fn pushes_and_disturbances_add_their_impulse() {
     for model in MODELS {
         for integrator in INTEGRATORS {
