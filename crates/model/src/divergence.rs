@@ -53,13 +53,8 @@ pub struct Divergence {
 /// branches, of which nine would cost more than the comparisons.)
 #[inline(always)]
 pub(crate) fn is_sound(state: &Kinematics) -> bool {
-<<<<<<< HEAD
-    let within = |v: Vector3<f64>, limit: f64| v.x.abs() <= limit && v.y.abs() <= limit && v.z.abs() <= limit;
-=======
-    let within = |v: Vector3<f64>, limit: f64| {
-        (v.x.abs() <= limit) & (v.y.abs() <= limit) & (v.z.abs() <= limit)
-    };
->>>>>>> h2
+    let within =
+        |v: Vector3<f64>, limit: f64| (v.x.abs() <= limit) & (v.y.abs() <= limit) & (v.z.abs() <= limit);
     within(state.position, POSITION_MAX)
         & within(state.velocity, VELOCITY_MAX)
         & within(state.body_rate, BODY_RATE_MAX)

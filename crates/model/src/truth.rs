@@ -69,16 +69,8 @@ mod tests {
             let mut to = from * Quaternion::from_rotation_vector(rate * 1e-3);
             for sign in [1.0, -1.0] {
                 to = Quaternion::new(sign * to.w, sign * to.x, sign * to.y, sign * to.z);
-<<<<<<< HEAD
-                let found = mean_rate(from, to, 1e-3);
-                assert!((found - rate).length() < 1e-9 * rate.length() + 1e-12, "{angle}");
-=======
                 let found = turn(from, to) / 1e-3;
-                assert!(
-                    (found - rate).length() < 1e-9 * rate.length() + 1e-12,
-                    "{angle}"
-                );
->>>>>>> h2
+                assert!((found - rate).length() < 1e-9 * rate.length() + 1e-12, "{angle}");
                 let middle = from * Quaternion::from_rotation_vector(rate * 0.5e-3);
                 let bound = 2e-3 * angle * angle * angle * angle + 1e-12;
                 assert!((halfway(from, to).dot(middle) - 1.0).abs() < bound, "{angle}");

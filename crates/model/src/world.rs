@@ -175,14 +175,9 @@ impl World {
     fn fly(&mut self, speeds: &StepSpeeds, outside: &Outside) {
         let (integrator, dt) = (self.integrator, self.span.dt);
         let (state, body, forces) = (&self.state, &self.body, &self.forces);
-<<<<<<< HEAD
-        let wrench = |stage: Stage| forces.wrench(&speeds[stage as usize]);
-        let next = self.motion.step(integrator, dt, state, body, wrench, outside);
-=======
         let next = self
             .motion
             .step(integrator, dt, state, body, forces, speeds, outside);
->>>>>>> h2
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {
