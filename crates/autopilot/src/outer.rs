@@ -8,14 +8,14 @@ use windhover_control::TrajectorySetpoint;
 use windhover_control::observer::DisturbanceObserver;
 use windhover_control::position::{AttitudeSetpoint, PositionController, PositionEstimate};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
-use windhover_math::{Quaternion, Vector3};
+use windhover_math::{GRAVITY, Quaternion, Vector3};
 
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::mission::executor::{MissionEstimate, Surroundings};
 use crate::mission::route::Stored;
 use crate::mission::{MissionEvent, MissionEvents, MissionExecutor, MissionSource, check};
 use crate::parameters::Parameters;
-use crate::queue::{Command, ExternalEstimate, MissionCommit, ParameterWrite};
+use crate::queue::{Command, MissionCommit, ParameterWrite};
 use crate::schedule::OUTER_RATE;
 
 /// Without an estimate for so long, position is not known any more, µs.
@@ -23,6 +23,9 @@ const ESTIMATE_TIMEOUT: u32 = 500_000;
 
 /// Above the place of arming by so much, the vehicle flies, m.
 const AIRBORNE_HEIGHT: f32 = 0.3;
+
+/// The world's down axis, NED.
+const DOWN: Vector3 = Vector3::new(0.0, 0.0, 1.0);
 
 /// What the inner step adopts.
 #[derive(Clone, Debug, PartialEq)]
@@ -269,34 +272,30 @@ impl Outer {
         }
     }
 
-    /// The estimate from outside; between two of them, the increments carry it on.
+    /// Carries the estimate on by what was measured since the last snapshot; word from outside
+    /// takes its place.
     fn update_estimate(&mut self, snapshot: &Snapshot, dt: u32) {
-        let seconds = dt as f32 * 1e-6;
         let before = self.estimate;
+        let increments = &snapshot.increments;
+        let gained = before.attitude.rotate(increments.velocity) + DOWN * (GRAVITY * increments.duration);
+        let carried = Estimate {
+            position: before.position + (before.velocity + gained * 0.5) * increments.duration,
+            velocity: before.velocity + gained,
+            attitude: (before.attitude * increments.rotation).renormalized(),
+            age: before.age.map(|age| age.saturating_add(dt)),
+        };
         let measured = snapshot
             .inputs
             .external
             .iter()
             .rev()
             .find(|external| external.is_valid());
-        self.estimate = match measured {
-            Some(ExternalEstimate {
-                position,
-                velocity,
-                attitude,
-            }) => Estimate {
-                position: *position,
-                velocity: *velocity,
-                attitude: *attitude,
-                age: Some(0),
-            },
-            None => Estimate {
-                position: before.position + before.velocity * seconds,
-                velocity: before.velocity,
-                attitude: (before.attitude * snapshot.increments.rotation).renormalized(),
-                age: before.age.map(|age| age.saturating_add(dt)),
-            },
-        };
+        self.estimate = measured.map_or(carried, |external| Estimate {
+            position: external.position,
+            velocity: external.velocity,
+            attitude: external.attitude,
+            age: Some(0),
+        });
         self.observe(&before, snapshot);
     }
 

@@ -98,6 +98,10 @@ impl<A: Recorder, B: Recorder> Recorder for (&mut A, &mut B) {
     }
 }
 
+/// Word from outside comes so often, as from motion capture; inertial increments carry the
+/// estimate on in between.
+const EXTERNAL_PERIOD_US: u64 = 20_000;
+
 /// A vehicle in its world, flown by the core.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
@@ -117,6 +121,7 @@ pub struct ClosedLoop {
     period: f64,
     period_us: u64,
     time_us: u64,
+    next_external_us: u64,
 }
 
 impl ClosedLoop {
@@ -135,6 +140,7 @@ impl ClosedLoop {
             period: 1.0 / f64::from(config.imu_rate),
             period_us: 1_000_000 / u64::from(config.imu_rate),
             time_us: 0,
+            next_external_us: 0,
         }
     }
 
@@ -161,7 +167,9 @@ impl ClosedLoop {
         let input = self.input(&truth);
         self.release();
         let schedule = self.inner.schedule();
-        if schedule.at_boundary() && (self.ready.is_some() || !schedule.is_busy()) {
+        let taken = schedule.at_boundary() && (self.ready.is_some() || !schedule.is_busy());
+        if taken && self.time_us >= self.next_external_us {
+            self.next_external_us = self.time_us + EXTERNAL_PERIOD_US;
             self.queues.external.push(external(&truth));
         }
         let output = self.inner.tick(&input, &mut self.ready, &mut self.queues);
