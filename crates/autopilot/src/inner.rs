@@ -13,7 +13,7 @@ use windhover_control::mixer::{FULL_COMMAND, Mixed, Mixer, Wrench};
 use windhover_control::pid::low_pass_share;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_estimator::AttitudePredictor;
-use windhover_math::{GRAVITY, Quaternion, Vector3};
+use windhover_math::{GRAVITY, Quaternion, Vector3, max, min};
 
 use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 use crate::outer::OuterResult;
@@ -226,7 +226,7 @@ impl Inner {
     fn sample(&mut self, imu: &Imu) -> f32 {
         let nominal = 1.0 / self.config.imu_rate as f32;
         let elapsed = imu.time().wrapping_sub(self.time) as u32 as f32 * 1e-6;
-        let dt = elapsed.clamp(0.25 * nominal, 4.0 * nominal);
+        let dt = max(0.25 * nominal, min(4.0 * nominal, elapsed));
         self.time = imu.time();
         match imu {
             Imu::Sample { counts, time } => {

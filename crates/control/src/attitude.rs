@@ -17,11 +17,11 @@ use crate::position::AttitudeSetpoint;
 parameters! {
     /// Gains and limits of attitude control.
     pub struct AttitudeParameters {
-        tilt_p: "ATT_TILT_P", "1/s", 0.0..=50.0, 10.0, "Rate per roll or pitch error";
+        tilt_p: "ATT_TILT_P", "1/s", 0.0..=50.0, 14.0, "Rate per roll or pitch error";
         heading_p: "ATT_YAW_P", "1/s", 0.0..=50.0, 3.0, "Rate per heading error";
-        tilt_rate_p: "RATE_TILT_P", "1/s", 0.0..=300.0, 30.0, "Angular acceleration per roll or pitch rate error";
+        tilt_rate_p: "RATE_TILT_P", "1/s", 0.0..=300.0, 40.0, "Angular acceleration per roll or pitch rate error";
         tilt_rate_i: "RATE_TILT_I", "1/s^2", 0.0..=1000.0, 20.0, "Integral gain of the roll and pitch rate";
-        tilt_rate_d: "RATE_TILT_D", "", 0.0..=5.0, 0.5, "Damping of roll and pitch: angular acceleration per angular acceleration";
+        tilt_rate_d: "RATE_TILT_D", "", 0.0..=5.0, 0.6, "Damping of roll and pitch: angular acceleration per angular acceleration";
         heading_rate_p: "RATE_YAW_P", "1/s", 0.0..=300.0, 10.0, "Angular acceleration per heading rate error";
         heading_rate_i: "RATE_YAW_I", "1/s^2", 0.0..=1000.0, 5.0, "Integral gain of the heading rate";
         derivative_filter: "RATE_D_TC", "s", 0.0..=0.1, 0.005, "Time constant of the derivative's filter";

@@ -5,8 +5,10 @@
 //! printed form is `dt` = 1). The derivative is an argument: of the error where the setpoint's
 //! own derivative is known, of the measurement where it is not ([`Differentiator`] filters it).
 //!
-//! The integral is kept in units of the output, and corrected by how much of the last output
-//! really took effect (tracking anti-windup). [`Pid::retune`] moves it when gains change, so that
+//! The integral is kept in units of the output, and follows how much of the last output really
+//! took effect (tracking anti-windup): while the actuator is saturated it grows no further in that
+//! direction and shrinks to what fits, at most to nothing. It never turns against the other terms,
+//! as plain back-calculation does after a large step, with a long tail. [`Pid::retune`] moves it when gains change, so that
 //! the output is continuous.
 
 /// Gains of one PID controller in parallel form.
@@ -36,7 +38,11 @@ impl Pid {
     /// in units of the output; 0 when it was not saturated).
     #[inline]
     pub fn step(&mut self, gains: &PidGains, error: f32, derivative: f32, shortfall: f32, dt: f32) -> f32 {
-        self.integral += (gains.i * error + gains.tracking * shortfall) * dt;
+        self.integral = unwound(
+            self.integral,
+            gains.i * error * dt,
+            gains.tracking * shortfall * dt,
+        );
         self.error = error;
         self.derivative = derivative;
         gains.p * error + self.integral + gains.d * derivative
@@ -62,6 +68,23 @@ impl Pid {
     pub fn integral(&self) -> f32 {
         self.integral
     }
+}
+
+/// The integral after a step that would add `growth`, pulled back by `pull` (both in units of the
+/// output): a pull keeps it from growing against the pull, and takes it to zero at the most.
+#[inline]
+fn unwound(integral: f32, growth: f32, pull: f32) -> f32 {
+    let into_saturation = growth * pull < 0.0;
+    let grown = if into_saturation {
+        integral
+    } else {
+        integral + growth
+    };
+    if grown * pull >= 0.0 {
+        return grown;
+    }
+    let pulled = grown + pull;
+    if pulled * grown > 0.0 { pulled } else { 0.0 }
 }
 
 /// Derivative of a measurement, behind a first-order low-pass filter.
@@ -175,13 +198,31 @@ mod tests {
             let output = pid.step(&GAINS, 10.0, 0.0, shortfall, 1e-3);
             shortfall = output.clamp(-1.0, 1.0) - output;
         }
-        // Equilibrium: i·e + tracking·shortfall = 0.
-        assert!(
-            (shortfall + GAINS.i * 10.0 / GAINS.tracking).abs() < 1e-3,
-            "{shortfall}"
-        );
+        assert_eq!(pid.integral(), 0.0, "the proportional term alone saturates");
         // Once the error changes sign the output leaves the limit at once.
         assert!(pid.step(&GAINS, -1.0, 0.0, shortfall, 1e-3) < -1.0);
+    }
+
+    /// An integral that is needed, because a constant load pulls, is kept as far as it fits.
+    #[test]
+    fn a_saturated_actuator_keeps_the_integral_that_fits() {
+        let (mut pid, mut shortfall) = (Pid::default(), 0.0);
+        for _ in 0..100_000 {
+            let output = pid.step(&GAINS, 0.1, 0.0, shortfall, 1e-3);
+            shortfall = output.clamp(-1.0, 1.0) - output;
+        }
+        assert!((pid.integral() - 0.8).abs() < 0.02, "{}", pid.integral());
+    }
+
+    /// A large step against a limit leaves nothing behind that would have to decay.
+    #[test]
+    fn a_saturated_step_leaves_no_integral_against_it() {
+        let (mut pid, mut shortfall) = (Pid::default(), 0.0);
+        for _ in 0..1000 {
+            let output = pid.step(&GAINS, 50.0, 0.0, shortfall, 1e-3);
+            shortfall = output.clamp(-1.0, 1.0) - output;
+        }
+        assert!(pid.integral() >= 0.0);
     }
 
     #[test]

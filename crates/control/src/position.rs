@@ -18,16 +18,17 @@ use crate::pid::{Pid, PidGains};
 use crate::{TrajectorySetpoint, VehicleParameters};
 
 parameters! {
-    /// Gains and limits of position and height control. Defaults: preset `windhover`.
+    /// Gains and limits of position and height control. Defaults: preset `windhover`, whose
+    /// integral action is the disturbance observer's.
     pub struct PositionParameters {
         north_p: "POS_N_P", "1/s^2", 0.0..=100.0, 9.0, "Position gain, north";
-        north_i: "POS_N_I", "1/s^3", 0.0..=100.0, 1.0, "Integral gain, north";
+        north_i: "POS_N_I", "1/s^3", 0.0..=100.0, 0.0, "Integral gain, north";
         north_d: "POS_N_D", "1/s", 0.0..=50.0, 5.0, "Velocity gain, north";
         east_p: "POS_E_P", "1/s^2", 0.0..=100.0, 9.0, "Position gain, east";
-        east_i: "POS_E_I", "1/s^3", 0.0..=100.0, 1.0, "Integral gain, east";
+        east_i: "POS_E_I", "1/s^3", 0.0..=100.0, 0.0, "Integral gain, east";
         east_d: "POS_E_D", "1/s", 0.0..=50.0, 5.0, "Velocity gain, east";
         down_p: "POS_D_P", "1/s^2", 0.0..=100.0, 24.0, "Position gain, down";
-        down_i: "POS_D_I", "1/s^3", 0.0..=100.0, 5.0, "Integral gain, down";
+        down_i: "POS_D_I", "1/s^3", 0.0..=100.0, 0.0, "Integral gain, down";
         down_d: "POS_D_D", "1/s", 0.0..=50.0, 10.0, "Velocity gain, down";
         tracking: "POS_TRACK", "1/s", 0.0..=100.0, 2.0, "How fast integrals follow what tilt and thrust limits took away";
         error_max: "POS_ERR_MAX", "m", 0.1..=1000.0, 4.0, "Position errors count up to this length";
@@ -35,8 +36,6 @@ parameters! {
         thrust_min: "POS_THR_MIN", "", 0.0..=0.5, 0.05, "Smallest thrust in flight, as a share of the largest";
         thrust_max: "POS_THR_MAX", "", 0.1..=1.0, 0.9, "Largest thrust, as a share of what the rotors have";
         feed_forward: "POS_FF", "", 0.0..=1.0, 1.0, "Share of the path's acceleration and jerk that is fed forward";
-        lead_horizontal: "POS_FF_LEAD", "s", 0.0..=0.3, 0.03, "How far ahead the fed-forward horizontal acceleration is";
-        lead_vertical: "POS_FF_LEAD_Z", "s", 0.0..=0.3, 0.03, "How far ahead the fed-forward vertical acceleration is";
         inversion: "POS_INV", "", 0.0..=1.0, 1.0, "Tilt by: 0 the thrust of eq. (13), 1 the demanded force's own length";
         form: "POS_FORM", "", 0.0..=1.0, 0.0, "Height equation: 0 corrected, 1 as printed";
         gain_unit: "POS_GAIN_UNIT", "", 0.0..=1.0, 0.0, "Gains are: 0 per unit mass, 1 forces";
@@ -126,8 +125,7 @@ impl PositionController {
         let cos_tilt = cos_tilt(estimate.attitude, parameters);
         self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
         let feedback = self.feedback(parameters, vehicle, setpoint, estimate, dt);
-        let ahead = setpoint.acceleration + lead(parameters, setpoint.jerk);
-        let demand = feedback + ahead * parameters.feed_forward - estimate.disturbance;
+        let demand = feedback + setpoint.acceleration * parameters.feed_forward - estimate.disturbance;
 
         let (lift, thrust) = self.height(parameters, vehicle, demand.z, cos_tilt);
         let sin_tilt_max = sin(parameters.tilt_max);
@@ -252,14 +250,8 @@ fn tan_of(sine: f32) -> f32 {
     sine / sqrt(1.0 - sine * sine)
 }
 
-/// What the path's acceleration gains on its way to the rotors.
-fn lead(parameters: &PositionParameters, jerk: Vector3) -> Vector3 {
-    Vector3::new(
-        jerk.x * parameters.lead_horizontal,
-        jerk.y * parameters.lead_horizontal,
-        jerk.z * parameters.lead_vertical,
-    )
-}
+/// Faster than this no roll or pitch is fed forward, rad/s.
+const RATE_FEED_FORWARD_MAX: f32 = 5.0;
 
 /// The body rate at which a vehicle of that attitude and specific thrust (m/s²) has the
 /// setpoint's jerk, and its heading rate: with a − g = −c·z_B, the jerk's share along the body
@@ -274,11 +266,14 @@ fn body_rate(
         return Vector3::zeros();
     }
     let jerk = attitude.inverse_rotate(setpoint.jerk) * (feed_forward / specific_thrust);
-    Vector3::new(
-        saturate(jerk.y, 5.0),
-        saturate(-jerk.x, 5.0),
-        setpoint.heading_rate * attitude.cos_tilt(),
-    )
+    let roll_rate = saturate(jerk.y, RATE_FEED_FORWARD_MAX);
+    let pitch_rate = saturate(-jerk.x, RATE_FEED_FORWARD_MAX);
+    // A rolled vehicle that pitches would turn its heading: r = (ψ̇ cosθ − q sinφ)/cosφ, with
+    // the world's down in body axes d = (−sinθ, sinφ cosθ, cosφ cosθ).
+    let down = attitude.inverse_rotate(Vector3::new(0.0, 0.0, 1.0));
+    let cos_squared_pitch = down.y * down.y + down.z * down.z;
+    let yaw_rate = (setpoint.heading_rate * cos_squared_pitch - pitch_rate * down.y) / max(down.z, 0.3);
+    Vector3::new(roll_rate, pitch_rate, yaw_rate)
 }
 
 #[cfg(test)]
@@ -350,7 +345,7 @@ mod tests {
         fn thrust_direction_makes_the_demanded_acceleration(
             a in prop::array::uniform3(-4.0f32..4.0), d in prop::array::uniform3(-2.0f32..2.0), heading in -3.0f32..3.0,
         ) {
-            let parameters = PositionParameters { lead_horizontal: 0.0, lead_vertical: 0.0, tilt_max: 1.2, ..Default::default() };
+            let parameters = PositionParameters { tilt_max: 1.2, ..Default::default() };
             let vehicle = VehicleParameters::default();
             let mut setpoint = TrajectorySetpoint::at_rest(Vector3::zeros(), heading);
             setpoint.acceleration = Vector3::from(a);
@@ -383,11 +378,7 @@ mod tests {
     /// acceleration changes by the jerk (numerically).
     #[test]
     fn rate_feed_forward_is_the_derivative_of_the_attitude() {
-        let parameters = PositionParameters {
-            lead_horizontal: 0.0,
-            lead_vertical: 0.0,
-            ..Default::default()
-        };
+        let parameters = PositionParameters { ..Default::default() };
         let vehicle = VehicleParameters::default();
         let mut setpoint = TrajectorySetpoint::at_rest(Vector3::zeros(), 0.4);
         setpoint.jerk = Vector3::new(3.0, -2.0, 0.0);

@@ -1,29 +1,71 @@
 //! What the linker sees around the steps: an entry that calls them, and the panic handler.
 
-// Linking is the purpose here: a name for the entry, a symbol that does not exist, and volatile
-// access, so that nothing is known about the input and nothing of the output is left out.
+// Linking is the purpose here: a name for the entry, and a symbol that does not exist.
 #![allow(unsafe_code)]
 
+use core::hint::black_box;
 use core::panic::PanicInfo;
 
-use crate::steps::{INPUTS, OUTPUTS, inner_step, outer_step};
+use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::{
+    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Outer, Parameters, Queues,
+};
+use windhover_math::{Quaternion, Vector3};
 
-static mut INPUT: [f32; INPUTS] = [0.0; INPUTS];
-static mut OUTPUT: [f32; OUTPUTS] = [0.0; OUTPUTS];
+use crate::steps::{Storage, inner_step, outer_step};
 
-/// The entry: both steps once, from memory to memory.
+/// The entry: both steps for ever, on inputs that the optimiser knows nothing about.
 #[unsafe(no_mangle)]
 extern "C" fn reset() -> ! {
-    for step in [inner_step, outer_step] {
-        // SAFETY: the statics are touched nowhere else, and here through raw pointers only.
-        unsafe {
-            let output = step(&(&raw const INPUT).read_volatile());
-            (&raw mut OUTPUT).write_volatile(output);
+    let home = black_box(windhover_math::geodesy::GlobalPosition::default());
+    let items = black_box([ITEM; 4]);
+    let config = InnerConfig {
+        imu_rate: black_box(1000),
+        rotation: Default::default(),
+    };
+    if let Some(mut outer) = Outer::new(black_box(Parameters::default()), home) {
+        let mut inner = Inner::new(config, outer.inner_parameters());
+        let (mut ready, mut queues) = (None, Queues::default());
+        loop {
+            feed(&mut queues);
+            let output = inner_step(black_box(&mut inner), &input(), &mut ready, black_box(&mut queues));
+            black_box(output.motors);
+            if let Some(snapshot) = black_box(output.snapshot) {
+                let result = outer_step(black_box(&mut outer), &snapshot, &Storage(black_box(&items)));
+                ready = black_box(Some(result));
+            }
         }
     }
     loop {
         core::hint::spin_loop();
     }
+}
+
+const ITEM: MissionItem = MissionItem {
+    command: 16,
+    frame: 3,
+    autocontinue: true,
+    params: [0.0; 4],
+    x: 0,
+    y: 0,
+    z: 10.0,
+};
+
+fn input() -> InnerInput {
+    let imu = Imu::Sample {
+        counts: black_box(ImuCounts::default()),
+        time: black_box(0),
+    };
+    black_box(InnerInput { imu, urgent: None })
+}
+
+fn feed(queues: &mut Queues) {
+    queues.command.push(black_box(Command::Arm));
+    queues.external.push(black_box(ExternalEstimate {
+        position: Vector3::zeros(),
+        velocity: Vector3::zeros(),
+        attitude: Quaternion::IDENTITY,
+    }));
 }
 
 unsafe extern "C" {

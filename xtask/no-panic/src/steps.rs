@@ -1,38 +1,37 @@
 //! The two steps under proof, each a function of its own in the ELF.
-//!
-//! STAND-IN: the autopilot's inner and outer step do not exist yet; rotations and angles of
-//! `windhover_math` take their place. This file is the only one to change when they do.
 
 // The names are for the reader of the ELF and for xtask, which looks whether they are in it.
 #![allow(unsafe_code)]
 
-use windhover_math::{Euler, Quaternion, Vector3, wrap_pi};
+use windhover_autopilot::mission::{MissionItem, MissionSource};
+use windhover_autopilot::{Inner, InnerInput, Outer, OuterResult, Queues, Snapshot, TickOutput};
 
-/// Numbers that a step reads.
-pub const INPUTS: usize = 6;
-/// Numbers that a step gives.
-pub const OUTPUTS: usize = 3;
+/// Stored missions in memory that the optimiser knows nothing about.
+pub struct Storage<'a>(pub &'a [MissionItem]);
 
-/// Turns a body vector into the world.
-#[inline(never)]
-#[unsafe(no_mangle)]
-pub fn inner_step(input: &[f32; INPUTS]) -> [f32; OUTPUTS] {
-    let [roll, pitch, yaw, x, y, z] = *input;
-    let world = Quaternion::from_euler(Euler { roll, pitch, yaw }).rotate(Vector3::new(x, y, z));
-    #[cfg(feature = "prove-it-fails")]
-    let world = world * f32::from(u8::try_from(z as i32).unwrap());
-    [world.x, world.y, world.z]
+impl MissionSource for Storage<'_> {
+    fn item(&self, slot: u8, index: u16) -> Option<MissionItem> {
+        core::hint::black_box(self.0).item(slot, index)
+    }
 }
 
-/// Wraps the difference of two attitudes.
+/// One tick.
 #[inline(never)]
 #[unsafe(no_mangle)]
-pub fn outer_step(input: &[f32; INPUTS]) -> [f32; OUTPUTS] {
-    let [roll, pitch, yaw, ..] = *input;
-    let heading = Quaternion::from_euler(Euler { roll, pitch, yaw }).heading();
-    [
-        wrap_pi(heading - input[3]),
-        wrap_pi(roll - input[4]),
-        wrap_pi(pitch - input[5]),
-    ]
+pub fn inner_step(
+    inner: &mut Inner,
+    input: &InnerInput,
+    ready: &mut Option<OuterResult>,
+    queues: &mut Queues,
+) -> TickOutput {
+    #[cfg(feature = "prove-it-fails")]
+    let _ = core::hint::black_box(ready.as_ref().map(|result| result.tick)).unwrap();
+    inner.tick(input, ready, queues)
+}
+
+/// One outer step.
+#[inline(never)]
+#[unsafe(no_mangle)]
+pub fn outer_step(outer: &mut Outer, snapshot: &Snapshot, storage: &Storage<'_>) -> OuterResult {
+    outer.step(snapshot, storage)
 }
