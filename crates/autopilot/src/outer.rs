@@ -236,7 +236,7 @@ impl Outer {
                 Phase::Armed => MotorState::Idle,
                 Phase::Mission | Phase::Offboard => MotorState::Run,
             },
-            landed: self.landed,
+            landed: self.landed || self.has_contact(),
             setpoint,
             parameters: changed.then_some(self.inner),
             report,
@@ -303,7 +303,7 @@ impl Outer {
     /// this one.
     fn observe(&mut self, before: &Estimate, snapshot: &Snapshot) {
         let increments = &snapshot.increments;
-        if self.landed || before.age.is_none() || increments.duration <= 0.0 {
+        if self.landed || self.has_contact() || before.age.is_none() || increments.duration <= 0.0 {
             self.observer.reset();
             return;
         }
@@ -345,6 +345,11 @@ impl Outer {
             }
             Command::CommitMission(commit) => self.commit_mission(&commit, source),
         }
+    }
+
+    /// Whether the ground already holds a vehicle that comes down to land.
+    fn has_contact(&self) -> bool {
+        self.mission.as_ref().is_some_and(MissionExecutor::has_contact)
     }
 
     fn disarm(&mut self) {
@@ -450,13 +455,21 @@ impl Outer {
         } else {
             0.0
         };
-        self.position.step(
+        let setpoint = self.position.step(
             &self.parameters.position,
             &self.parameters.vehicle,
             trajectory,
             &estimate,
             if self.landed { 0.0 } else { mean_shortfall },
             dt as f32 * 1e-6,
-        )
+        );
+        if self.has_contact() {
+            // The legs hold the vehicle where it is: a tilt demanded now would only topple it.
+            return AttitudeSetpoint {
+                thrust: setpoint.thrust,
+                ..level
+            };
+        }
+        setpoint
     }
 }

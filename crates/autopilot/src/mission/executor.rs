@@ -18,6 +18,9 @@ use super::route::{Cursor, Stored};
 use crate::trajectory::path::{SHORTEST_PASS, direction_and_length};
 use crate::trajectory::{HeadingSlew, Path, path::Joint};
 
+/// The path has to be so far below a vehicle that stands still for it to be held by the ground, m.
+const CONTACT_DEPTH: f32 = 0.1;
+
 parameters! {
     /// How missions are flown.
     pub struct MissionParameters {
@@ -119,6 +122,7 @@ pub struct MissionExecutor {
     trigger: Trigger,
     trigger_item: u16,
     last_error: f32,
+    contact: bool,
 }
 
 /// What a step needs besides the executor's own state.
@@ -168,6 +172,7 @@ impl MissionExecutor {
             trigger: Trigger::Off,
             trigger_item: 0,
             last_error: 0.0,
+            contact: false,
         };
         // Items before the first point: speeds, camera settings.
         executor.run_passing_items(around, Cursor::default(), first.item);
@@ -183,6 +188,11 @@ impl MissionExecutor {
     /// Where the leg that is being flown leads, NED, m.
     pub fn leg_end(&self) -> Vector3 {
         self.current.target
+    }
+
+    /// Whether something holds the vehicle while it comes down to land: the ground, as a rule.
+    pub fn has_contact(&self) -> bool {
+        self.contact
     }
 
     /// Index of the item that is being flown to or worked on.
@@ -436,7 +446,8 @@ impl MissionExecutor {
         events: &mut MissionEvents,
     ) -> State {
         let below = setpoint.position.z - around.estimate.position.z;
-        let resting = below > 0.5 && around.estimate.velocity.z.abs() < 0.1;
+        self.contact = below > CONTACT_DEPTH && around.estimate.velocity.z.abs() < 0.1;
+        let resting = self.contact && below > 0.5;
         if !resting {
             return State::Land(0.0);
         }
@@ -444,6 +455,7 @@ impl MissionExecutor {
             return State::Land(still);
         }
         self.path = Path::at(around.estimate.position);
+        self.contact = false;
         let _ = events.push(MissionEvent::Landed);
         let _ = events.push(MissionEvent::Finished);
         State::Finished
