@@ -231,15 +231,24 @@ impl Outer {
             tick: snapshot.tick,
             attitude: self.estimate.attitude,
             gyro_bias: Vector3::zeros(),
-            motors: match self.phase {
-                Phase::Disarmed => MotorState::Disarmed,
-                Phase::Armed => MotorState::Idle,
-                Phase::Mission | Phase::Offboard => MotorState::Run,
-            },
+            motors: self.motors(),
             landed: self.landed || self.has_contact(),
             setpoint,
             parameters: changed.then_some(self.inner),
             report,
+        }
+    }
+
+    fn motors(&self) -> MotorState {
+        let waits = self
+            .mission
+            .as_ref()
+            .is_some_and(MissionExecutor::waits_on_ground);
+        match self.phase {
+            Phase::Disarmed => MotorState::Disarmed,
+            Phase::Armed => MotorState::Idle,
+            Phase::Mission if waits => MotorState::Idle,
+            Phase::Mission | Phase::Offboard => MotorState::Run,
         }
     }
 

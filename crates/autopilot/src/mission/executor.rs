@@ -157,12 +157,12 @@ impl MissionExecutor {
         heading: f32,
     ) -> Option<Self> {
         let position = around.estimate.position;
-        let first = around.chart(stored).first(position, around.estimate.landed)?;
-        let mut executor = Self {
+        let start = around.chart(stored).start(position, around.estimate.landed)?;
+        Some(Self {
             stored,
-            state: State::Fly,
+            state: State::Work,
             path: Path::at(position),
-            current: first,
+            current: start,
             next: None,
             passing: None,
             reached: false,
@@ -173,11 +173,12 @@ impl MissionExecutor {
             trigger_item: 0,
             last_error: 0.0,
             contact: false,
-        };
-        // Items before the first point: speeds, camera settings.
-        executor.run_passing_items(around, Cursor::default(), first.item);
-        executor.begin_leg(around);
-        Some(executor)
+        })
+    }
+
+    /// Whether the vehicle still stands where the mission was started, on the ground.
+    pub fn waits_on_ground(&self) -> bool {
+        self.current.kind == NavKind::Start { landed: true }
     }
 
     /// Whether nothing is left to do.

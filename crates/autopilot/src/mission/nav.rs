@@ -11,6 +11,11 @@ use crate::trajectory::Limits;
 /// What kind of leg leads to a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NavKind {
+    /// None yet: where the mission begins, on the ground or in the air.
+    Start {
+        /// Whether on the ground.
+        landed: bool,
+    },
     /// Straight up: from the ground, or before returning.
     Climb,
     /// To a waypoint of the mission.
@@ -60,20 +65,35 @@ pub struct Chart<'a, S: ?Sized> {
 }
 
 impl<S: MissionSource + ?Sized> Chart<'_, S> {
+    /// Where the mission begins; `None` when there is nothing to fly to.
+    pub fn start(&self, position: Vector3, landed: bool) -> Option<Nav> {
+        let start = Nav {
+            item: 0,
+            kind: NavKind::Start { landed },
+            target: position,
+            hold: 0.0,
+            radius: self.parameters.acceptance_radius,
+            heading: None,
+            speed: None,
+            rest_before: false,
+            after: Cursor::default(),
+        };
+        self.following(&start).map(|_| start)
+    }
+
     /// The first point: a mission that begins on the ground without a takeoff item climbs
-    /// straight up to its first waypoint's height.
-    pub fn first(&self, from: Vector3, landed: bool) -> Option<Nav> {
-        let start = Cursor::default();
-        let first = self.next(start, from, None)?;
+    /// straight up to its first waypoint's height, before everything else.
+    fn first(&self, start: &Nav, landed: bool) -> Option<Nav> {
+        let from = start.target;
+        let first = self.next(start.after, from, start.speed)?;
         if landed && first.kind == NavKind::Waypoint {
-            let target = Vector3::new(from.x, from.y, first.target.z);
             return Some(Nav {
                 kind: NavKind::Climb,
-                target,
+                target: Vector3::new(from.x, from.y, first.target.z),
                 hold: 0.0,
                 radius: self.parameters.acceptance_radius,
                 heading: None,
-                after: start,
+                after: start.after,
                 ..first
             });
         }
@@ -84,6 +104,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
     pub fn following(&self, nav: &Nav) -> Option<Nav> {
         let returning = self.is_returning(nav);
         match nav.kind {
+            NavKind::Start { landed } => self.first(nav, landed),
             NavKind::Climb if returning => Some(self.home(nav)),
             NavKind::Home => Some(self.land(nav, nav.target)),
             NavKind::Waypoint if returning => Some(self.land(nav, nav.target)),
