@@ -245,7 +245,7 @@ impl Inner {
         let silent = self.time.wrapping_sub(self.sample_time) > IMU_TIMEOUT;
         let reason = match input.urgent {
             Some(urgent) => Stop::Commanded(urgent),
-            None if silent && self.motors != MotorState::Disarmed => Stop::ImuMissing,
+            None if silent => Stop::ImuMissing,
             None => return,
         };
         self.stopped = Some(reason);
