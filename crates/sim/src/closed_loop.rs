@@ -39,7 +39,7 @@ impl Disruption {
 
     fn lateness(&mut self) -> u32 {
         if self.random.uniform() < self.late {
-            (self.random.uniform() * f64::from(self.late_most)) as u32
+            1 + (self.random.uniform() * f64::from(self.late_most)) as u32
         } else {
             0
         }
