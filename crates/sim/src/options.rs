@@ -76,7 +76,7 @@ pub struct Fly {
     #[arg(long)]
     truth: bool,
     /// Everything random follows from it
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     seed: u64,
     /// Folder for report.html and figures.json [default: flights/NAME_OF_THE_MISSION]
     #[arg(long, value_name = "DIR")]
