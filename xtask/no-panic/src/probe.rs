@@ -28,7 +28,12 @@ extern "C" fn reset() -> ! {
         let (mut ready, mut queues) = (None, Queues::default());
         loop {
             feed(&mut queues);
-            let output = inner_step(black_box(&mut inner), &input(), &mut ready, black_box(&mut queues));
+            let output = inner_step(
+                black_box(&mut inner),
+                &input(),
+                &mut ready,
+                black_box(&mut queues),
+            );
             black_box(output.motors);
             if let Some(snapshot) = black_box(output.snapshot) {
                 let result = outer_step(black_box(&mut outer), &snapshot, &Storage(black_box(&items)));

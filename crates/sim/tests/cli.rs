@@ -1,0 +1,418 @@
+//! The program as its users call it: what it prints, where, what it leaves behind, and its exit
+//! code.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder that is gone again after the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("windhover-cli-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    /// A file in it.
+    fn file(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn out(&self) -> PathBuf {
+        self.0.join("out")
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Runs the program in an empty folder of its own, so that nothing it finds there can help it.
+fn run(folder: &Folder, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_windhover"));
+    command.args(arguments).current_dir(&folder.0);
+    command.output().expect("the program runs")
+}
+
+/// The same, with `--out`.
+fn run_out(folder: &Folder, arguments: &[&str]) -> Output {
+    let out = folder.out();
+    let with: Vec<&str> = arguments
+        .iter()
+        .copied()
+        .chain(["--out", out.to_str().unwrap()])
+        .collect();
+    run(folder, &with)
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn repository(file: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
+    path.to_str().unwrap().to_string()
+}
+
+/// Refused: exit code 2, one line on stderr with all of these words, nothing on stdout, nothing
+/// written.
+fn assert_refused(folder: &Folder, arguments: &[&str], words: &[&str]) {
+    let output = run_out(folder, arguments);
+    let told = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert_eq!(told.trim_end().lines().count(), 1, "{arguments:?}: {told}");
+    assert!(told.starts_with("error: "), "{told}");
+    for word in words {
+        assert!(told.contains(word), "{arguments:?}: no {word:?} in {told}");
+    }
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert!(!folder.out().exists(), "{arguments:?}: something was written");
+}
+
+/// The default flight, in an empty folder: report and figures where the documentation says.
+#[test]
+fn without_arguments_it_flies_the_default_mission() {
+    let folder = Folder::new("default");
+    let output = run(&folder, &[]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for line in ["completed", "waypoints reached", "RMSE", "motor hash", "report: "] {
+        assert!(text.contains(line), "no {line:?} in {text}");
+    }
+    let written = folder.0.join("flights").join("monitoring");
+    let page = std::fs::read_to_string(written.join("report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+    let figures = std::fs::read_to_string(written.join("figures.json")).unwrap();
+    let figures: serde_json::Value = serde_json::from_str(&figures).unwrap();
+    assert_eq!(figures["completed"], true);
+    assert_eq!(figures["waypoints_reached"], 10);
+    assert_eq!(figures["photos"].as_array().unwrap().len(), 10);
+    assert_eq!(figures["seed"], 1);
+}
+
+/// Everything that the issue names, in one object, and nothing else on stdout; not even on stderr
+/// when nobody watches.
+#[test]
+fn json_is_one_object_and_nothing_else() {
+    let folder = Folder::new("json");
+    let output = run_out(&folder, &["fly", "--json", "--seed", "3"]);
+    let text = stdout(&output);
+    let figures: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
+    let object = figures.as_object().expect("an object");
+    for key in [
+        "completed",
+        "duration_s",
+        "waypoints_reached",
+        "photos",
+        "rmse_m",
+        "max_error_m",
+        "cross_track_rmse_m",
+        "tilt_max_deg",
+        "saturated_fraction",
+        "energy_j",
+        "speed_factor",
+        "motor_hash",
+        "seed",
+    ] {
+        assert!(object.contains_key(key), "no {key}");
+    }
+    for axes in ["rmse_m", "max_error_m"] {
+        for axis in ["north", "east", "down"] {
+            assert!(figures[axes][axis].as_f64().is_some(), "{axes}.{axis}");
+        }
+    }
+    for key in ["position_error_m", "speed_m_s", "tilt_deg"] {
+        assert!(figures["photos"][0][key].as_f64().is_some(), "{key}");
+    }
+    assert!(figures["speed_factor"].as_f64().unwrap() > 0.0);
+    assert_eq!(figures["seed"], 3);
+    assert!(output.stderr.is_empty(), "{}", stderr(&output));
+    assert!(folder.out().join("report.html").exists());
+}
+
+/// `fly FILE` for a plan, a plan with a survey, and a waypoint file.
+#[test]
+fn it_flies_files_of_either_kind() {
+    for file in [
+        "missions/survey.plan",
+        "crates/sim/tests/data/qgroundcontrol_sample_with_survey.plan",
+        "crates/sim/tests/data/mission_planner_sample.txt",
+    ] {
+        let folder = Folder::new(Path::new(file).file_stem().unwrap().to_str().unwrap());
+        let path = repository(file);
+        let output = run_out(&folder, &["fly", &path, "--json"]);
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{file}: {told}");
+        let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        assert_eq!(figures["completed"], true, "{file}");
+        assert!(figures["waypoints_reached"].as_u64().unwrap() >= 2, "{file}");
+    }
+}
+
+/// Every option changes the flight: its motor commands differ from the default's.
+#[test]
+fn options_change_the_flight() {
+    let folder = Folder::new("options");
+    let hash = |arguments: &[&str]| {
+        let mut all = vec!["fly", "--json"];
+        all.extend_from_slice(arguments);
+        let output = run_out(&folder, &all);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        figures["motor_hash"].as_str().unwrap().to_string()
+    };
+    let default = hash(&[]);
+    assert_eq!(default, hash(&[]), "the same again");
+    assert_eq!(default, hash(&["--truth"]), "so far the truth is all there is");
+    assert_eq!(
+        default,
+        hash(&["--wind", "4.47,206.6", "--gust", "1"]),
+        "defaults"
+    );
+    assert_eq!(
+        default,
+        hash(&["--push", "30,4,0,0,0.5", "--push", "60,0,4,0,0.5"]),
+        "defaults"
+    );
+    let others: Vec<&[&str]> = vec![
+        &["--vehicle", "x450"],
+        &["--preset", "paper"],
+        &["--wind", "3,90"],
+        &["--gust", "0.5"],
+        &["--push", "20,1,0,0,1"],
+        &["--payload", "0.05"],
+        &["--model", "paper"],
+        &["--model", "simple"],
+        &["--seed", "2"],
+    ];
+    let mut seen = vec![default];
+    for other in others {
+        let flown = hash(other);
+        assert!(!seen.contains(&flown), "{other:?} changes nothing");
+        seen.push(flown);
+    }
+}
+
+#[test]
+fn bad_options_are_refused_in_one_line() {
+    let folder = Folder::new("bad-options");
+    let cases: &[(&[&str], &str)] = &[
+        (&["--wind", "-1,0"], "wind"),
+        (&["--wind", "nan,0"], "--wind"),
+        (&["--wind", "3"], "--wind"),
+        (&["--wind", "500,0"], "wind"),
+        (&["--gust", "-1"], "gust"),
+        (&["--gust", "NaN"], "gust"),
+        (&["--push", "1,2,3"], "--push"),
+        (&["--push", "-1,2,3,4,5"], "push"),
+        (&["--payload", "-0.1"], "payload"),
+        (&["--payload", "inf"], "payload"),
+        (&["--seed", "-3"], "seed"),
+        (&["--vehicle", "spaceship"], "--vehicle"),
+        (&["--model", "cubic"], "--model"),
+        (&["--preset", "mine"], "--preset"),
+        (&["--altitude", "5"], "--altitude"),
+    ];
+    for (arguments, word) in cases {
+        assert_refused(&folder, arguments, &[word]);
+        let mut after_fly = vec!["fly"];
+        after_fly.extend_from_slice(arguments);
+        assert_refused(&folder, &after_fly, &[word]);
+    }
+}
+
+/// A plan of one waypoint with what is given in its place.
+fn plan(latitude: &str, height: &str, command: u16) -> String {
+    format!(
+        r#"{{"fileType":"Plan","version":1,"groundStation":"x","mission":{{"version":2,"firmwareType":12,
+        "vehicleType":2,"cruiseSpeed":2,"hoverSpeed":2,"plannedHomePosition":[47.3977,8.5456,488],"items":[
+        {{"type":"SimpleItem","autoContinue":true,"command":22,"frame":3,"doJumpId":1,"params":[0,0,0,null,47.3977,8.5456,10]}},
+        {{"type":"SimpleItem","autoContinue":true,"command":{command},"frame":3,"doJumpId":2,"params":[0,0,0,null,{latitude},8.5456,{height}]}}]}}}}"#
+    )
+}
+
+/// A mission that cannot be flown is refused with file, item and field.
+#[test]
+fn bad_missions_are_refused_in_one_line() {
+    let folder = Folder::new("bad-missions");
+    let cases: &[(&str, String, &[&str])] = &[
+        ("latitude.plan", plan("91", "10", 16), &["item 2", "latitude"]),
+        ("high.plan", plan("47.3977", "5000", 16), &["item 2", "altitude"]),
+        ("far.plan", plan("48.9", "10", 16), &["item 2", "position"]),
+        (
+            "command.plan",
+            plan("47.3977", "10", 84),
+            &["item 2", "command", "84"],
+        ),
+        ("nan.plan", plan("47.3977", "NaN", 16), &[]),
+        ("null.plan", plan("47.3977", "null", 16), &["item 2"]),
+        ("nowhere.plan", plan("47.3977", "10", 22), &["waypoint"]),
+        ("text.plan", "hello".into(), &[]),
+        ("empty.plan", String::new(), &[]),
+        (
+            "wpl.txt",
+            "QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\tx\t8\t10\t1\n".into(),
+            &["line 2"],
+        ),
+        (
+            "old.plan",
+            plan("47.3977", "10", 16).replace(r#""version":1"#, r#""version":9"#),
+            &["version"],
+        ),
+    ];
+    for (name, text, words) in cases {
+        let file = folder.file(name, text);
+        let mut all = vec![*name];
+        all.extend_from_slice(words);
+        assert_refused(&folder, &["fly", file.to_str().unwrap()], &all);
+    }
+    assert_refused(&folder, &["fly", "absent.plan"], &["absent.plan"]);
+    // The same plan with nothing wrong is flown.
+    let good = folder.file("good.plan", &plan("47.3978", "10", 16));
+    let output = run_out(&folder, &["fly", good.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+fn os4() -> String {
+    std::fs::read_to_string(repository("vehicles/os4.toml")).unwrap()
+}
+
+fn edited(from: &str, to: &str) -> String {
+    let text = os4();
+    assert!(text.contains(from), "{from}");
+    text.replacen(from, to, 1)
+}
+
+#[test]
+fn bad_vehicles_are_refused_in_one_line() {
+    let folder = Folder::new("bad-vehicles");
+    let cases: &[(&str, String, &[&str])] = &[
+        (
+            "mass.toml",
+            edited("mass = 0.650", "mass = -0.650"),
+            &["plant.mass", "-0.65"],
+        ),
+        (
+            "inertia.toml",
+            edited("[7.5e-3, 7.5e-3", "[0.0, 7.5e-3"),
+            &["plant.inertia"],
+        ),
+        ("nan.toml", edited("k_f = 3.13e-5", "k_f = nan"), &["plant.k_f"]),
+        ("missing.toml", edited("k_z", "k_q"), &["k_q"]),
+        (
+            "unknown.toml",
+            edited("MASS = 0.650", "MASSE = 0.650"),
+            &["MASSE"],
+        ),
+        (
+            "range.toml",
+            edited("MASS = 0.650", "MASS = -1.0"),
+            &["MASS", "-1"],
+        ),
+        (
+            "rotor.toml",
+            edited("CA_ROTOR0_PX = 0.23", "CA_ROTOR0_PX = -0.23"),
+            &["[parameters]"],
+        ),
+        ("text.toml", "hello".into(), &["line 1"]),
+    ];
+    for (name, text, words) in cases {
+        let file = folder.file(name, text);
+        let mut all = vec![*name];
+        all.extend_from_slice(words);
+        assert_refused(&folder, &["--vehicle", file.to_str().unwrap()], &all);
+    }
+    assert_refused(&folder, &["--vehicle", "absent.toml"], &["absent.toml"]);
+}
+
+/// A flight that fails ends with what and when, exit code 1, and still writes its report.
+fn assert_fails(folder: &Folder, arguments: &[&str], words: &[&str]) {
+    let output = run_out(folder, arguments);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}{}", stderr(&output));
+    for word in words {
+        assert!(text.contains(word), "no {word:?} in {text}");
+    }
+    let out = folder.out();
+    assert!(out.join("report.html").exists());
+    let figures = std::fs::read_to_string(out.join("figures.json")).unwrap();
+    let figures: serde_json::Value = serde_json::from_str(&figures).unwrap();
+    assert_eq!(figures["completed"], false);
+    let ended = figures["ended"].as_str().unwrap();
+    assert!(ended.contains(" at ") && ended.contains(" s"), "{ended}");
+}
+
+#[test]
+fn a_flight_that_fails_says_what_and_when_and_leaves_its_report() {
+    let folder = Folder::new("fails");
+    // A core that takes the vehicle for thirty times as hard to turn as it is.
+    let wild = edited("INERTIA_XX = 7.5e-3", "INERTIA_XX = 0.225");
+    let wild = folder.file("wild.toml", &wild);
+    assert_fails(
+        &folder,
+        &["--vehicle", wild.to_str().unwrap()],
+        &["completed", "no: crash at "],
+    );
+    // A storm that carries it away.
+    assert_fails(
+        &folder,
+        &["--wind", "90,0", "--gust", "0"],
+        &["no: diverged at ", "position"],
+    );
+}
+
+/// With `--json`, too, the object is all there is on stdout.
+#[test]
+fn a_flight_that_fails_is_json_too() {
+    let folder = Folder::new("fails-json");
+    let output = run_out(&folder, &["--wind", "90,0", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(figures["completed"], false);
+}
+
+#[test]
+fn help_names_every_option() {
+    let folder = Folder::new("help");
+    for arguments in [&["--help"][..], &["fly", "--help"]] {
+        let output = run(&folder, arguments);
+        let text = stdout(&output);
+        assert!(output.status.success() && output.stderr.is_empty());
+        for option in [
+            "--vehicle",
+            "--preset",
+            "--wind",
+            "--gust",
+            "--push",
+            "--payload",
+            "--model",
+            "--truth",
+            "--seed",
+            "--out",
+            "--json",
+            "missions/monitoring.plan",
+        ] {
+            assert!(text.contains(option), "{arguments:?}: no {option}");
+        }
+    }
+    assert!(stdout(&run(&folder, &["--version"])).starts_with("windhover "));
+}
+
+/// A folder that cannot be written to is named.
+#[test]
+fn a_report_that_cannot_be_written_is_an_error() {
+    let folder = Folder::new("out");
+    let file = folder.file("taken", "");
+    let output = run(&folder, &["--out", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("taken"), "{}", stderr(&output));
+}
