@@ -55,7 +55,7 @@ fn motors_are_still_while_disarmed() {
 fn stops_at_once(urgent: Urgent, imu_rate: u32) {
     let mut bench = Bench::in_mission(&Setup { imu_rate, ..calm() }, &hover(), 8.0);
     // In the middle between two boundaries.
-    while bench.inner.schedule().at_boundary() || bench.motors.len() % 2 == 0 {
+    while bench.inner.schedule().at_boundary() || bench.motors.len().is_multiple_of(2) {
         bench.tick();
     }
     assert!(is_running(bench.last()));
