@@ -20,7 +20,7 @@ use crate::outer::OuterResult;
 use crate::parameters::Parameters;
 use crate::queue::{OuterInputs, Queues};
 use crate::schedule::{OUTER_RATE, Schedule};
-use crate::sensing::{BoardRotation, CalibrationParameters, Inertial, convert};
+use crate::sensing::{BoardRotation, CalibrationParameters, Inertial, SensingBorder};
 
 /// Without a sample for so long, the motors stop, µs.
 const IMU_TIMEOUT: u64 = 20_000;
@@ -111,21 +111,34 @@ pub struct Snapshot {
 }
 
 /// What one tick gives.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TickOutput {
     /// For the motors, now.
     pub motors: MotorCommand,
     /// At a boundary: what was done there.
     pub record: Option<ScheduleRecord>,
-    /// At a boundary where the outer step was idle: its next work.
+}
+
+/// All that passes between the inner step and the rest.
+#[derive(Clone, Debug, Default)]
+pub struct Mailboxes {
+    /// Inputs of the outer step, from wherever they come.
+    pub queues: Queues,
+    /// From the inner to the outer step: its next work. Filled at a boundary where the outer step
+    /// was idle; whoever runs the outer step empties it.
     pub snapshot: Option<Snapshot>,
+    /// From the outer to the inner step: what it made of the snapshot. Emptied at a boundary.
+    pub result: Option<OuterResult>,
 }
 
 /// The inner step with its memory.
 #[derive(Clone, Debug)]
 pub struct Inner {
     config: InnerConfig,
+    /// Nominal time between two ticks, s.
+    period: f32,
     parameters: InnerParameters,
+    sensing: SensingBorder,
     schedule: Schedule,
     predictor: AttitudePredictor,
     controller: AttitudeController,
@@ -151,6 +164,8 @@ impl Inner {
     pub fn new(config: InnerConfig, parameters: InnerParameters) -> Self {
         Self {
             config,
+            period: 1.0 / config.imu_rate as f32,
+            sensing: SensingBorder::new(&config.rotation, &parameters.calibration),
             parameters,
             schedule: Schedule::new(config.k()),
             predictor: AttitudePredictor::default(),
@@ -185,52 +200,39 @@ impl Inner {
         self.predictor.attitude()
     }
 
-    /// One tick. `ready` holds the outer step's result once there is one; it is taken at a
-    /// boundary only. `queues` are frozen into the snapshot when there is one.
+    /// One tick. A result that waits is adopted at a boundary only; where a snapshot is taken it
+    /// is put into its mailbox, which is empty then, since the last one has come back as a result.
     #[inline]
-    pub fn tick(
-        &mut self,
-        input: &InnerInput,
-        ready: &mut Option<OuterResult>,
-        queues: &mut Queues,
-    ) -> TickOutput {
+    pub fn tick(&mut self, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
         let dt = self.sample(&input.imu);
         self.latch(input);
-        let result = if self.schedule.at_boundary() {
-            ready.take()
-        } else {
-            None
-        };
-        let adopted = result.is_some();
-        if let Some(result) = result {
+        let mut adopted = false;
+        if self.schedule.at_boundary()
+            && let Some(result) = &mailboxes.result
+        {
             self.adopt(result);
+            adopted = true;
+            mailboxes.result = None;
         }
         let tick = self.schedule.tick();
         let record = self.schedule.advance(adopted);
         self.watch_outer();
         let motors = self.step(dt);
-        let taken = record.is_some_and(|record| record.snapshot_taken);
-        TickOutput {
-            motors,
-            record,
-            snapshot: if taken {
-                Some(self.snapshot(tick, queues))
-            } else {
-                None
-            },
+        if record.is_some_and(|record| record.snapshot_taken) {
+            mailboxes.snapshot = Some(self.snapshot(tick, &mut mailboxes.queues));
         }
+        TickOutput { motors, record }
     }
 
     /// Takes in a sample, or the lack of one; the time since the last tick in s.
     #[inline]
     fn sample(&mut self, imu: &Imu) -> f32 {
-        let nominal = 1.0 / self.config.imu_rate as f32;
         let elapsed = imu.time().wrapping_sub(self.time) as u32 as f32 * 1e-6;
-        let dt = max(0.25 * nominal, min(4.0 * nominal, elapsed));
+        let dt = max(0.25 * self.period, min(4.0 * self.period, elapsed));
         self.time = imu.time();
         match imu {
             Imu::Sample { counts, time } => {
-                self.inertial = convert(counts, &self.config.rotation, &self.parameters.calibration);
+                self.inertial = self.sensing.convert(counts);
                 self.sample_time = *time;
             }
             // The vehicle turns on as it did.
@@ -254,9 +256,10 @@ impl Inner {
     }
 
     /// Takes on an outer result, whole.
-    fn adopt(&mut self, result: OuterResult) {
+    fn adopt(&mut self, result: &OuterResult) {
         if let Some(parameters) = result.parameters {
             self.controller.retune(&self.parameters.gains, &parameters.gains);
+            self.sensing = SensingBorder::new(&self.config.rotation, &parameters.calibration);
             self.parameters = parameters;
         }
         self.predictor.adopt(result.attitude, result.gyro_bias);

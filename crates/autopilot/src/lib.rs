@@ -19,7 +19,7 @@ pub mod schedule;
 pub mod sensing;
 pub mod trajectory;
 
-pub use inner::{Inner, InnerConfig, InnerParameters, MotorState, Snapshot, Stop, TickOutput};
+pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 pub use outer::{Blocker, Estimate, Outer, OuterReport, OuterResult, Phase, Refused};
 pub use parameters::{Parameters, Preset};

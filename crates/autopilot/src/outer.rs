@@ -390,23 +390,16 @@ impl Outer {
         }
         let stored = self.stored.ok_or(Blocker::NoMission)?;
         let heading = self.estimate.attitude.heading();
-        let mission = MissionExecutor::start(stored, &self.surroundings(source), heading);
-        self.mission = Some(mission.ok_or(Blocker::NoMission)?);
-        self.phase = Phase::Mission;
-        Ok(())
-    }
-
-    fn surroundings<'a, S: MissionSource + ?Sized>(&'a self, source: &'a S) -> Surroundings<'a, S> {
-        Surroundings {
+        let around = Surroundings {
             source,
             frame: &self.frame,
             parameters: &self.parameters.mission,
-            estimate: MissionEstimate {
-                position: self.estimate.position,
-                velocity: self.estimate.velocity,
-                landed: self.landed,
-            },
-        }
+            estimate: mission_estimate(&self.estimate, self.landed),
+        };
+        let mission = MissionExecutor::start(stored, &around, heading);
+        self.mission = Some(mission.ok_or(Blocker::NoMission)?);
+        self.phase = Phase::Mission;
+        Ok(())
     }
 
     /// Where the vehicle should be now.
@@ -424,9 +417,13 @@ impl Outer {
             Phase::Disarmed | Phase::Armed => None,
             Phase::Offboard => self.offboard,
             Phase::Mission => {
-                let mut mission = self.mission.take()?;
-                let (setpoint, happened) = mission.step(&self.surroundings(source), dt);
-                self.mission = Some(mission);
+                let around = Surroundings {
+                    source,
+                    frame: &self.frame,
+                    parameters: &self.parameters.mission,
+                    estimate: mission_estimate(&self.estimate, self.landed),
+                };
+                let (setpoint, happened) = self.mission.as_mut()?.step(&around, dt);
                 *events = happened;
                 if events.contains(&MissionEvent::Landed) {
                     self.disarm();
@@ -480,5 +477,13 @@ impl Outer {
             };
         }
         setpoint
+    }
+}
+
+fn mission_estimate(estimate: &Estimate, landed: bool) -> MissionEstimate {
+    MissionEstimate {
+        position: estimate.position,
+        velocity: estimate.velocity,
+        landed,
     }
 }

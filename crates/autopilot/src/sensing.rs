@@ -42,17 +42,6 @@ impl Default for BoardRotation {
     }
 }
 
-impl BoardRotation {
-    #[inline]
-    fn apply(&self, counts: [i16; 3], scale: f32) -> Vector3 {
-        let [x, y, z] = counts.map(|count| f32::from(count) * scale);
-        let [front, right, down] = self
-            .0
-            .map(|[a, b, c]| f32::from(a) * x + f32::from(b) * y + f32::from(c) * z);
-        Vector3::new(front, right, down)
-    }
-}
-
 /// One sample in SI units, body axes (FRD).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inertial {
@@ -62,20 +51,72 @@ pub struct Inertial {
     pub rate: Vector3,
 }
 
-/// Converts one sample.
-#[inline]
-pub fn convert(
-    counts: &ImuCounts,
-    rotation: &BoardRotation,
-    calibration: &CalibrationParameters,
-) -> Inertial {
-    let c = calibration;
-    let accel = rotation.apply(counts.accel, ACCEL_SCALE) - Vector3::new(c.accel_x, c.accel_y, c.accel_z);
-    let gyro = rotation.apply(counts.gyro, GYRO_SCALE) - Vector3::new(c.gyro_x, c.gyro_y, c.gyro_z);
-    let scale = Vector3::new(c.accel_scale_x, c.accel_scale_y, c.accel_scale_z);
-    Inertial {
-        specific_force: accel.component_mul(&scale),
-        rate: gyro,
+/// The conversion of one sensor with everything that is constant multiplied out:
+/// value = scale·(rotation·k·counts − offset) = matrix·counts − shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Affine {
+    rows: [[f32; 3]; 3],
+    shift: [f32; 3],
+}
+
+impl Affine {
+    fn new(rotation: &BoardRotation, per_count: f32, offset: [f32; 3], scale: [f32; 3]) -> Self {
+        let mut affine = Self {
+            rows: [[0.0; 3]; 3],
+            shift: [0.0; 3],
+        };
+        let axes = rotation.0.iter().zip(offset.iter().zip(&scale));
+        for ((row, shift), (turned, (offset, scale))) in
+            affine.rows.iter_mut().zip(&mut affine.shift).zip(axes)
+        {
+            *row = turned.map(|entry| f32::from(entry) * per_count * scale);
+            *shift = offset * scale;
+        }
+        affine
+    }
+
+    #[inline(always)]
+    fn apply(&self, counts: [i16; 3]) -> Vector3 {
+        let [x, y, z] = counts.map(f32::from);
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.rows;
+        let [p, q, r] = self.shift;
+        Vector3::new(
+            a * x + b * y + c * z - p,
+            d * x + e * y + f * z - q,
+            g * x + h * y + i * z - r,
+        )
+    }
+}
+
+/// The border: made once for a rotation and a calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensingBorder {
+    accel: Affine,
+    gyro: Affine,
+}
+
+impl SensingBorder {
+    /// For a sensor that sits like this, calibrated like that.
+    pub fn new(rotation: &BoardRotation, calibration: &CalibrationParameters) -> Self {
+        let c = calibration;
+        Self {
+            accel: Affine::new(
+                rotation,
+                ACCEL_SCALE,
+                [c.accel_x, c.accel_y, c.accel_z],
+                [c.accel_scale_x, c.accel_scale_y, c.accel_scale_z],
+            ),
+            gyro: Affine::new(rotation, GYRO_SCALE, [c.gyro_x, c.gyro_y, c.gyro_z], [1.0; 3]),
+        }
+    }
+
+    /// One sample in SI units and body axes.
+    #[inline(always)]
+    pub fn convert(&self, counts: &ImuCounts) -> Inertial {
+        Inertial {
+            specific_force: self.accel.apply(counts.accel),
+            rate: self.gyro.apply(counts.gyro),
+        }
     }
 }
 
@@ -89,13 +130,10 @@ mod tests {
             accel: [0, 0, -2048],
             gyro: [164, 0, 0],
         };
-        let inertial = convert(
-            &counts,
-            &BoardRotation::default(),
-            &CalibrationParameters::default(),
-        );
-        assert!((inertial.specific_force.z + GRAVITY).abs() < 1e-6);
-        assert!((inertial.rate.x - 10.0f32.to_radians()).abs() < 1e-6);
+        let inertial =
+            SensingBorder::new(&BoardRotation::default(), &CalibrationParameters::default()).convert(&counts);
+        assert!((inertial.specific_force.z + GRAVITY).abs() < 1e-5);
+        assert!((inertial.rate.x - 10.0f32.to_radians()).abs() < 1e-5);
     }
 
     #[test]
@@ -110,9 +148,11 @@ mod tests {
             accel: [2048, 0, 0],
             gyro: [0; 3],
         };
-        let force = convert(&counts, &rotation, &calibration).specific_force;
+        let force = SensingBorder::new(&rotation, &calibration)
+            .convert(&counts)
+            .specific_force;
         assert!(
-            (force.y - (GRAVITY - 0.5)).abs() < 1e-6 && force.x == 0.0,
+            (force.y - (GRAVITY - 0.5)).abs() < 1e-5 && force.x == 0.0,
             "{force}"
         );
     }

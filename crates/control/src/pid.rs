@@ -38,11 +38,12 @@ impl Pid {
     /// in units of the output; 0 when it was not saturated).
     #[inline]
     pub fn step(&mut self, gains: &PidGains, error: f32, derivative: f32, shortfall: f32, dt: f32) -> f32 {
-        self.integral = unwound(
-            self.integral,
-            gains.i * error * dt,
-            gains.tracking * shortfall * dt,
-        );
+        let growth = gains.i * error * dt;
+        self.integral = if shortfall == 0.0 {
+            self.integral + growth
+        } else {
+            unwound(self.integral, growth, gains.tracking * shortfall * dt)
+        };
         self.error = error;
         self.derivative = derivative;
         gains.p * error + self.integral + gains.d * derivative
@@ -72,7 +73,6 @@ impl Pid {
 
 /// The integral after a step that would add `growth`, pulled back by `pull` (both in units of the
 /// output): a pull keeps it from growing against the pull, and takes it to zero at the most.
-#[inline]
 fn unwound(integral: f32, growth: f32, pull: f32) -> f32 {
     let into_saturation = growth * pull < 0.0;
     let grown = if into_saturation {

@@ -26,6 +26,18 @@ pub(crate) enum Motion {
     Rigid,
 }
 
+/// What acts on the vehicle during a step.
+pub(crate) struct Acting<'a> {
+    /// Mass, inertia, drag.
+    pub body: &'a Body,
+    /// What the rotors make of their speeds.
+    pub forces: &'a RotorForces,
+    /// The rotor speeds during the step.
+    pub speeds: &'a StepSpeeds,
+    /// Wind and external forces.
+    pub outside: &'a Outside,
+}
+
 impl Motion {
     /// The motion that starts from `state`.
     pub(crate) fn new(kind: ModelKind, state: &Kinematics) -> Self {
@@ -35,6 +47,7 @@ impl Motion {
             ModelKind::Rigid => Self::Rigid,
         }
     }
+
     /// The state `dt` seconds after `state`.
     #[inline(always)]
     pub(crate) fn step(
@@ -42,11 +55,14 @@ impl Motion {
         integrator: Integrator,
         dt: f64,
         state: &Kinematics,
-        body: &Body,
-        forces: &RotorForces,
-        speeds: &StepSpeeds,
-        outside: &Outside,
+        acting: &Acting<'_>,
     ) -> Kinematics {
+        let Acting {
+            body,
+            forces,
+            speeds,
+            outside,
+        } = acting;
         match self {
             Self::Rigid => step(integrator, *state, dt, |state, stage| {
                 rigid::derivative(body, state, &forces.wrench(speeds.at(stage)), outside)

@@ -10,7 +10,7 @@ use crate::esc::{Command, Esc, PwmLatch};
 use crate::ground::{self, Contact, Crash};
 use crate::integrate::Integrator;
 use crate::kinematics::Kinematics;
-use crate::motion::{ModelKind, Motion};
+use crate::motion::{Acting, ModelKind, Motion};
 use crate::push::Pushes;
 use crate::random::Random;
 use crate::rotor::{LagStep, RotorForces, StepSpeeds};
@@ -174,10 +174,13 @@ impl World {
     #[inline(always)]
     fn fly(&mut self, speeds: &StepSpeeds, outside: &Outside) {
         let (integrator, dt) = (self.integrator, self.span.dt);
-        let (state, body, forces) = (&self.state, &self.body, &self.forces);
-        let next = self
-            .motion
-            .step(integrator, dt, state, body, forces, speeds, outside);
+        let acting = Acting {
+            body: &self.body,
+            forces: &self.forces,
+            speeds,
+            outside,
+        };
+        let next = self.motion.step(integrator, dt, &self.state, &acting);
         if is_sound(&next) {
             self.state = next;
             if ground::is_touchdown(&self.state) {

@@ -2,8 +2,8 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterResult,
-    Queues, ScheduleRecord, Snapshot, Urgent,
+    ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer,
+    OuterResult, ScheduleRecord, Snapshot, Urgent,
 };
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::random::Random;
@@ -107,14 +107,13 @@ const EXTERNAL_PERIOD_US: u64 = 20_000;
 pub struct ClosedLoop {
     /// The world.
     pub world: World,
-    /// Inputs of the outer step: whoever stands outside puts them here.
-    pub queues: Queues,
+    /// What passes between the steps; whoever stands outside puts inputs into its queues.
+    pub mailboxes: Mailboxes,
     /// The next tick's urgent command.
     pub urgent: Option<Urgent>,
     inner: Inner,
     outer: Outer,
     mission: Vec<MissionItem>,
-    ready: Option<OuterResult>,
     /// A result that is not ready yet, and how many boundaries it is still late.
     late: Option<(OuterResult, u32)>,
     disruption: Option<Disruption>,
@@ -129,12 +128,11 @@ impl ClosedLoop {
     pub fn new(world: World, config: InnerConfig, outer: Outer, mission: Vec<MissionItem>) -> Self {
         Self {
             world,
-            queues: Queues::default(),
+            mailboxes: Mailboxes::default(),
             urgent: None,
             inner: Inner::new(config, outer.inner_parameters()),
             outer,
             mission,
-            ready: None,
             late: None,
             disruption: None,
             period: 1.0 / f64::from(config.imu_rate),
@@ -167,17 +165,19 @@ impl ClosedLoop {
         let input = self.input(&truth);
         self.release();
         let schedule = self.inner.schedule();
-        let taken = schedule.at_boundary() && (self.ready.is_some() || !schedule.is_busy());
+        let taken = schedule.at_boundary() && (self.mailboxes.result.is_some() || !schedule.is_busy());
         if taken && self.time_us >= self.next_external_us {
             self.next_external_us = self.time_us + EXTERNAL_PERIOD_US;
-            self.queues.external.push(external(&truth));
+            self.mailboxes.queues.external.push(external(&truth));
         }
-        let output = self.inner.tick(&input, &mut self.ready, &mut self.queues);
+        let output = self.inner.tick(&input, &mut self.mailboxes);
         recorder.tick(&truth, &input, output.motors, output.record);
-        if let Some(snapshot) = output.snapshot {
-            let result = self.outer.step(&snapshot, self.mission.as_slice());
-            recorder.outer(&truth, &snapshot, &result);
-            self.post(result);
+        if let Some(snapshot) = &self.mailboxes.snapshot {
+            let result = self.outer.step(snapshot, self.mission.as_slice());
+            let result = self.mailboxes.result.insert(result);
+            recorder.outer(&truth, snapshot, result);
+            self.mailboxes.snapshot = None;
+            self.hold_back();
         }
         self.world.step(self.period, output.motors.rotors());
         self.time_us += self.period_us;
@@ -203,22 +203,23 @@ impl ClosedLoop {
         }
     }
 
-    /// Holds a result back where it is to be late.
-    fn post(&mut self, result: OuterResult) {
-        match self.disruption.as_mut().map_or(0, Disruption::lateness) {
-            0 => self.ready = Some(result),
-            boundaries => self.late = Some((result, boundaries)),
+    /// Holds the result back where it is to be late.
+    #[inline]
+    fn hold_back(&mut self) {
+        let boundaries = self.disruption.as_mut().map_or(0, Disruption::lateness);
+        if boundaries > 0 {
+            self.late = self.mailboxes.result.take().map(|result| (result, boundaries));
         }
     }
 
     #[inline]
     fn release(&mut self) {
-        if !self.inner.schedule().at_boundary() {
+        if self.late.is_none() || !self.inner.schedule().at_boundary() {
             return;
         }
         if let Some((result, boundaries)) = self.late.take() {
             if boundaries == 0 {
-                self.ready = Some(result);
+                self.mailboxes.result = Some(result);
             } else {
                 self.late = Some((result, boundaries - 1));
             }

@@ -15,9 +15,6 @@ use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_poly
 use crate::mission_file::MissionFile;
 use crate::report::{Event, Ned, PhotoMark, Sample};
 
-/// Seconds between arming and the start of the mission.
-const SPOOL_UP: f64 = 1.0;
-
 /// A flight that has not come to its end by then is ended, s.
 const TIME_LIMIT: f64 = 4.0 * 3600.0;
 
@@ -195,19 +192,15 @@ pub fn fly<R: Recorder>(
     recorder: &mut R,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Flight, SetupError> {
-    let mut flown = closed_loop(setup, mission)?;
+    let mut flown = ready(setup, mission)?;
     let mut watch = Watch::new(mission.items.len());
     let rate = f64::from(setup.imu_rate);
     let mut writes = setup.writes.iter().peekable();
-    command(&mut flown, mission);
     let mut tick = 0u64;
     let ended = loop {
         let time = tick as f64 / rate;
         while let Some((_, write)) = writes.next_if(|(at, _)| *at <= time) {
-            flown.queues.parameter.push(*write);
-        }
-        if tick == (SPOOL_UP * rate) as u64 {
-            flown.queues.command.push(Command::StartMission);
+            flown.mailboxes.queues.parameter.push(*write);
         }
         flown.tick(&mut (&mut watch, &mut *recorder));
         tick += 1;
@@ -221,15 +214,22 @@ pub fn fly<R: Recorder>(
     Ok(watch.finish(ended, &flown.world, setup))
 }
 
-/// Before the first tick: the mission is there, and the vehicle is armed.
-fn command(flown: &mut ClosedLoop, mission: &MissionFile) {
+/// A mission that starts with the first tick: stored, armed, and begun.
+pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
+    let mut flown = closed_loop(setup, mission)?;
     let commit = MissionCommit {
         slot: 0,
         count: mission.items.len() as u16,
         crc: 0,
     };
-    flown.queues.command.push(Command::CommitMission(commit));
-    flown.queues.command.push(Command::Arm);
+    for command in [
+        Command::CommitMission(commit),
+        Command::Arm,
+        Command::StartMission,
+    ] {
+        flown.mailboxes.queues.command.push(command);
+    }
+    Ok(flown)
 }
 
 /// Whether the mission was flown to its end, and how it ended.

@@ -87,11 +87,15 @@ impl Lemniscate {
         for tick in 0..ticks {
             let time = tick as f64 / rate;
             if tick.is_multiple_of(u64::from(setup.inner_config().k())) {
-                flown.queues.setpoint.push(self.setpoint(time - APPROACH));
+                flown
+                    .mailboxes
+                    .queues
+                    .setpoint
+                    .push(self.setpoint(time - APPROACH));
             }
             match tick {
-                0 => flown.queues.command.push(Command::Arm),
-                100 => flown.queues.command.push(Command::StartOffboard),
+                0 => flown.mailboxes.queues.command.push(Command::Arm),
+                100 => flown.mailboxes.queues.command.push(Command::StartOffboard),
                 _ => {}
             }
             flown.tick(&mut error);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use windhover_autopilot::Preset;
 use windhover_math::Vector3;
 use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, Vehicle, mean_wind_from};
@@ -166,7 +166,7 @@ fn one_line(message: &str) -> String {
     let told: Vec<&str> = told
         .filter(|line| !line.is_empty() && !line.starts_with("For more"))
         .collect();
-    format!("{}; see --help", told.join(" "))
+    format!("{}; see --help", told.join("; "))
 }
 
 /// A flight as asked for, with everything read that it needs.
@@ -249,7 +249,7 @@ impl Fly {
             };
             conditions.pushes = self.push.iter().map(push).collect();
         }
-        conditions.validate().map_err(|e| e.to_string())?;
+        conditions.validate().map_err(|e| format!("--{e}"))?;
         Ok(conditions)
     }
 
@@ -296,19 +296,13 @@ fn hold_heading(mission: &mut MissionFile) {
     }
 }
 
-/// The command line as clap sees it, for its own check.
-#[allow(dead_code)]
-fn command() -> clap::Command {
-    Cli::command()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_command_line_is_consistent() {
-        command().debug_assert();
+        <Cli as clap::CommandFactory>::command().debug_assert();
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Inner, InnerConfig, InnerInput, MotorCommand, Outer, OuterInputs, OuterResult, Queues, ScheduleRecord,
+    Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer, OuterInputs, OuterResult, ScheduleRecord,
     Snapshot,
 };
 use windhover_model::Truth;
@@ -61,22 +61,22 @@ impl Recording {
         mission: &[MissionItem],
     ) -> Result<(), Difference> {
         let mut inner = Inner::new(config, outer.inner_parameters());
-        let mut queues = Queues::default();
+        let mut mailboxes = Mailboxes::default();
         let (mut boundaries, mut frozen) = (self.boundaries.iter(), self.frozen.iter());
-        let (mut result, mut ready) = (None, None);
+        let mut result = None;
         for (tick, (input, &flown)) in self.inputs.iter().zip(&self.motors).enumerate() {
             if inner.schedule().at_boundary() {
                 let record = boundaries.next().copied();
                 if record.is_some_and(|record| record.adopted) {
-                    ready = result.take();
+                    mailboxes.result = result.take();
                 }
                 if record.is_some_and(|record| record.snapshot_taken)
                     && let Some(inputs) = frozen.next()
                 {
-                    queues.refill(inputs);
+                    mailboxes.queues.refill(inputs);
                 }
             }
-            let output = inner.tick(input, &mut ready, &mut queues);
+            let output = inner.tick(input, &mut mailboxes);
             if output.motors != flown {
                 return Err(Difference {
                     tick,
@@ -84,7 +84,7 @@ impl Recording {
                     replayed: output.motors,
                 });
             }
-            if let Some(snapshot) = output.snapshot {
+            if let Some(snapshot) = mailboxes.snapshot.take() {
                 result = Some(outer.step(&snapshot, mission));
             }
         }

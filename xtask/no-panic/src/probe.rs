@@ -8,7 +8,8 @@ use core::panic::PanicInfo;
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Outer, Parameters, Queues,
+    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, Outer, Parameters,
+    Queues,
 };
 use windhover_math::{Quaternion, Vector3};
 
@@ -25,19 +26,17 @@ extern "C" fn reset() -> ! {
     };
     if let Some(mut outer) = Outer::new(black_box(Parameters::default()), home) {
         let mut inner = Inner::new(config, outer.inner_parameters());
-        let (mut ready, mut queues) = (None, Queues::default());
+        let mut mailboxes = Mailboxes::default();
         loop {
-            feed(&mut queues);
-            let output = inner_step(
+            feed(&mut mailboxes.queues);
+            black_box(inner_step(
                 black_box(&mut inner),
                 &input(),
-                &mut ready,
-                black_box(&mut queues),
-            );
-            black_box(output.motors);
-            if let Some(snapshot) = black_box(output.snapshot) {
+                black_box(&mut mailboxes),
+            ));
+            if let Some(snapshot) = mailboxes.snapshot.take() {
                 let result = outer_step(black_box(&mut outer), &snapshot, &Storage(black_box(&items)));
-                ready = black_box(Some(result));
+                mailboxes.result = black_box(Some(result));
             }
         }
     }

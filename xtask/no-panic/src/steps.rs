@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use windhover_autopilot::mission::{MissionItem, MissionSource};
-use windhover_autopilot::{Inner, InnerInput, Outer, OuterResult, Queues, Snapshot, TickOutput};
+use windhover_autopilot::{Inner, InnerInput, Mailboxes, Outer, OuterResult, Snapshot, TickOutput};
 
 /// Stored missions in memory that the optimiser knows nothing about.
 pub struct Storage<'a>(pub &'a [MissionItem]);
@@ -18,15 +18,10 @@ impl MissionSource for Storage<'_> {
 /// One tick.
 #[inline(never)]
 #[unsafe(no_mangle)]
-pub fn inner_step(
-    inner: &mut Inner,
-    input: &InnerInput,
-    ready: &mut Option<OuterResult>,
-    queues: &mut Queues,
-) -> TickOutput {
+pub fn inner_step(inner: &mut Inner, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
     #[cfg(feature = "prove-it-fails")]
-    let _ = core::hint::black_box(ready.as_ref().map(|result| result.tick)).unwrap();
-    inner.tick(input, ready, queues)
+    let _ = core::hint::black_box(mailboxes.result.as_ref().map(|result| result.tick)).unwrap();
+    inner.tick(input, mailboxes)
 }
 
 /// One outer step.
