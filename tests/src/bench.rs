@@ -3,8 +3,8 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerInput, MissionCommit, MotorCommand, Outer,
-    OuterResult, Queues, Urgent,
+    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerInput, Mailboxes, MissionCommit, MotorCommand,
+    Outer, OuterResult, Urgent,
 };
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{Truth, World, ideal_counts};
@@ -21,8 +21,8 @@ pub struct Bench {
     pub inner: Inner,
     /// The outer step.
     pub outer: Outer,
-    /// Inputs of the outer step.
-    pub queues: Queues,
+    /// What passes between the two, and the queues of the outer step's inputs.
+    pub mailboxes: Mailboxes,
     /// The next tick's urgent command.
     pub urgent: Option<Urgent>,
     /// Whether the IMU gives samples.
@@ -36,7 +36,7 @@ pub struct Bench {
     /// Every outer step so far.
     pub steps: Vec<Step>,
     mission: Vec<MissionItem>,
-    ready: Option<OuterResult>,
+    held_back: Option<OuterResult>,
     period_us: u64,
     time_us: u64,
 }
@@ -49,7 +49,7 @@ impl Bench {
             world: setup.world(),
             inner: Inner::new(setup.inner_config(), outer.inner_parameters()),
             outer,
-            queues: Queues::default(),
+            mailboxes: Mailboxes::default(),
             urgent: None,
             imu_alive: true,
             outer_alive: true,
@@ -57,7 +57,7 @@ impl Bench {
             motors: Vec::new(),
             steps: Vec::new(),
             mission: mission.items.clone(),
-            ready: None,
+            held_back: None,
             period_us: 1_000_000 / u64::from(setup.imu_rate),
             time_us: 0,
         }
@@ -85,7 +85,7 @@ impl Bench {
 
     /// Puts a command into its queue.
     pub fn command(&mut self, command: Command) {
-        self.queues.command.push(command);
+        self.mailboxes.queues.command.push(command);
     }
 
     /// Runs for so many seconds.
@@ -115,20 +115,22 @@ impl Bench {
             imu,
             urgent: self.urgent.take(),
         };
-        if self.estimate_alive && self.inner.schedule().at_boundary() && self.queues.external.is_empty() {
-            self.queues.external.push(estimate(&truth));
+        if self.estimate_alive
+            && self.inner.schedule().at_boundary()
+            && self.mailboxes.queues.external.is_empty()
+        {
+            self.mailboxes.queues.external.push(estimate(&truth));
         }
-        let mut held_back = None;
-        let ready = if self.outer_alive {
-            &mut self.ready
-        } else {
-            &mut held_back
-        };
-        let output = self.inner.tick(&input, ready, &mut self.queues);
-        if let Some(snapshot) = output.snapshot {
+        if self.outer_alive && self.held_back.is_some() {
+            self.mailboxes.result = self.held_back.take();
+        } else if !self.outer_alive && self.mailboxes.result.is_some() {
+            self.held_back = self.mailboxes.result.take();
+        }
+        let output = self.inner.tick(&input, &mut self.mailboxes);
+        if let Some(snapshot) = self.mailboxes.snapshot.take() {
             let result = self.outer.step(&snapshot, self.mission.as_slice());
             self.steps.push(Step::new(&truth, &result));
-            self.ready = Some(result);
+            self.mailboxes.result = Some(result);
         }
         self.world
             .step(self.period_us as f64 * 1e-6, output.motors.rotors());

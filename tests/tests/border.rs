@@ -49,7 +49,7 @@ fn wrong_estimates_stay_outside() {
                 }
             }
             for _ in 0..10 {
-                bench.queues.external.push(bad);
+                bench.mailboxes.queues.external.push(bad);
                 bench.run(0.004);
                 assert_unmoved(&bench, &format!("{wrong} as number {number}"));
             }
@@ -57,7 +57,7 @@ fn wrong_estimates_stay_outside() {
         }
     }
     // A quaternion that turns nothing.
-    bench.queues.external.push(ExternalEstimate {
+    bench.mailboxes.queues.external.push(ExternalEstimate {
         attitude: quaternion([0.0; 4]),
         ..estimate(&bench.world.truth())
     });
@@ -75,7 +75,7 @@ fn an_absurd_estimate_leaves_no_trace() {
             let mut bad = estimate(&bench.world.truth());
             bad.position[axis] = absurd;
             bad.velocity[axis] = -absurd;
-            bench.queues.external.push(bad);
+            bench.mailboxes.queues.external.push(bad);
             bench.run(0.004);
         }
         bench.run(6.0);
@@ -88,7 +88,7 @@ fn an_absurd_estimate_leaves_no_trace() {
 fn wrong_setpoints_stay_outside() {
     let mut bench = hovering();
     let good = TrajectorySetpoint::at_rest(Vector3::new(3.0, 0.0, -5.0), 0.0);
-    bench.queues.setpoint.push(good);
+    bench.mailboxes.queues.setpoint.push(good);
     bench.command(Command::StartOffboard);
     bench.run(1.0);
     for wrong in WRONG {
@@ -102,7 +102,7 @@ fn wrong_setpoints_stay_outside() {
                 12 => bad.heading = wrong,
                 _ => bad.heading_rate = wrong,
             }
-            bench.queues.setpoint.push(bad);
+            bench.mailboxes.queues.setpoint.push(bad);
             bench.run(0.05);
             assert_unmoved(&bench, &format!("{wrong} as number {number}"));
         }
@@ -116,9 +116,9 @@ fn wrong_setpoints_stay_outside() {
             heading: absurd,
             heading_rate: absurd,
         };
-        bench.queues.setpoint.push(bad);
+        bench.mailboxes.queues.setpoint.push(bad);
         bench.run(0.008);
-        bench.queues.setpoint.push(good);
+        bench.mailboxes.queues.setpoint.push(good);
         bench.run(8.0);
         assert_unmoved(&bench, &format!("{absurd:e}"));
     }
@@ -151,7 +151,7 @@ fn wrong_parameter_writes_are_refused() {
     };
     for write in writes.chain([unknown]) {
         let from = bench.steps.len();
-        bench.queues.parameter.push(write);
+        bench.mailboxes.queues.parameter.push(write);
         bench.run(0.008);
         let refused: Vec<Refused> = bench.steps[from..]
             .iter()
@@ -171,7 +171,7 @@ fn wrong_parameter_writes_are_refused() {
 fn a_good_parameter_write_is_taken_in_flight() {
     let mut bench = hovering();
     for (name, value) in [("POS_N_P", 6.0), ("ATT_TILT_P", 9.0), ("POS_D_D", 8.0)] {
-        bench.queues.parameter.push(write(name, value));
+        bench.mailboxes.queues.parameter.push(write(name, value));
         bench.run(1.0);
         assert_unmoved(&bench, name);
         let index = Parameters::find(name).unwrap();

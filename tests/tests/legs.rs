@@ -146,9 +146,15 @@ fn a_delay_before_the_takeoff_is_kept() {
         .then(command::NAV_DELAY, [5.0, -1.0, -1.0, -1.0])
         .takeoff(5.0)
         .waypoint(0.0, 0.5, 4.0, 0.0, 5.0);
-    let (_, trace) = traced(&calm(), &plan.file());
+    let (_, trace) = traced(&calm(), &plan.clone().file());
     let up = trace.steps.iter().find(|step| step.position.z < -0.5).unwrap();
-    assert!(up.time > 6.0, "in the air at {} s", up.time);
+    assert!((5.0..7.0).contains(&up.time), "in the air at {} s", up.time);
+    // Meanwhile the rotors idle: thrust would make the vehicle light on its legs.
+    let waiting = windhover_tests::bench::Bench::in_mission(&calm(), &plan.file(), 4.0);
+    assert!(matches!(
+        waiting.last(),
+        windhover_autopilot::MotorCommand::Idle(_)
+    ));
 }
 
 /// Speeds that the mission sets are flown, on the leg after the item and on no other.
