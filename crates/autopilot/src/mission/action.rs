@@ -190,6 +190,8 @@ pub enum Reason {
     },
     /// There is nothing to fly to.
     NoWaypoint,
+    /// The item is not in storage, though the mission should have it.
+    Missing,
     /// There are more items than the vehicle stores.
     TooMany(usize),
     /// The jump leads out of the mission, or there are more jumps than can be counted.
@@ -208,6 +210,7 @@ impl fmt::Display for Refusal {
                 write!(f, "{field}: {value:.0} m from home, the limit is {max:.0} m")
             }
             Reason::NoWaypoint => write!(f, "{field}: nothing to fly to; add a waypoint"),
+            Reason::Missing => write!(f, "{field}: the item is missing"),
             Reason::TooMany(count) => {
                 let max = super::item::MAX_ITEMS;
                 write!(f, "{field}: {count} items, the vehicle stores {max}")

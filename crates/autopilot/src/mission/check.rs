@@ -29,9 +29,11 @@ pub fn check<S: MissionSource + ?Sized>(
     let frame = LocalFrame::new(home);
     let (mut waypoints, mut jumps) = (0, 0);
     for index in 0..stored.count {
-        let Some(item) = source.item(stored.slot, index) else {
-            break;
+        let missing = || {
+            let (field, reason) = ("mission", Reason::Missing);
+            (index, Refusal { field, reason })
         };
+        let item = source.item(stored.slot, index).ok_or_else(missing)?;
         let action = interpret(&item).map_err(|refusal| (index, refusal))?;
         waypoints += u32::from(matches!(action, Action::Waypoint { .. }));
         if let Action::Jump { to, .. } = action {

@@ -504,7 +504,9 @@ impl MissionExecutor {
     fn aim<S: ?Sized>(&mut self, around: &Surroundings<'_, S>, nav: &Nav) {
         if let Some(heading) = nav.heading {
             self.heading_target = heading;
-        } else if around.parameters.yaw_mode > 0.5 && matches!(nav.kind, NavKind::Waypoint | NavKind::Home) {
+        } else if around.parameters.yaw_mode > 0.5
+            && matches!(nav.kind, NavKind::Waypoint | NavKind::Approach)
+        {
             let way = nav.target - around.estimate.position;
             if windhover_math::sqrt(way.x * way.x + way.y * way.y) > 1.0 {
                 self.heading_target = atan2(way.y, way.x);

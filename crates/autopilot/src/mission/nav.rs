@@ -20,8 +20,8 @@ pub enum NavKind {
     Climb,
     /// To a waypoint of the mission.
     Waypoint,
-    /// Home, before landing.
-    Home,
+    /// Above the place of the landing: home, or where the mission says.
+    Approach,
     /// Down, until the ground is there.
     Land,
 }
@@ -106,8 +106,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
         match nav.kind {
             NavKind::Start { landed } => self.first(nav, landed),
             NavKind::Climb if returning => Some(self.home(nav)),
-            NavKind::Home => Some(self.land(nav, nav.target)),
-            NavKind::Waypoint if returning => Some(self.land(nav, nav.target)),
+            NavKind::Approach => Some(self.land(nav, nav.target)),
             _ => self.next(nav.after, nav.target, nav.speed),
         }
     }
@@ -170,6 +169,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
             Action::Land { place: Some(place) } => {
                 let above = self.local(place);
                 Nav {
+                    kind: NavKind::Approach,
                     target: Vector3::new(above.x, above.y, from.z),
                     ..plain
                 }
@@ -197,7 +197,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
 
     fn home(&self, before: &Nav) -> Nav {
         Nav {
-            kind: NavKind::Home,
+            kind: NavKind::Approach,
             target: Vector3::new(0.0, 0.0, before.target.z),
             heading: None,
             hold: 0.0,
