@@ -75,21 +75,25 @@ impl ImuBatch {
         self.missing = 0;
     }
 
-    /// Adds a tick; one too many is ignored.
+    /// Adds a tick; `false` when it is one too many.
     #[inline]
-    pub fn push(&mut self, imu: &Imu) {
+    pub fn push(&mut self, imu: &Imu) -> bool {
         let index = usize::from(self.count);
         let (Some(counts), Some(time)) = (self.counts.get_mut(index), self.times.get_mut(index)) else {
-            return;
+            return false;
         };
         match imu {
-            Imu::Sample { counts: read, time: at } => (*counts, *time) = (*read, *at),
+            Imu::Sample {
+                counts: read,
+                time: at,
+            } => (*counts, *time) = (*read, *at),
             Imu::Missing { time: at } => {
                 (*counts, *time) = (ImuCounts::default(), *at);
                 self.missing |= 1 << index;
             }
         }
         self.count += 1;
+        true
     }
 
     /// One tick as the inner step saw it; `None` beyond the last.
@@ -142,7 +146,11 @@ impl ImuBatch {
         }
         let count = usize::from(self.count);
         let absent = ImuCounts::default();
-        let ticks = || (0..k.min(MAX_K)).zip(&self.counts).map(|(n, counts)| if n < count { counts } else { &absent });
+        let ticks = || {
+            (0..k.min(MAX_K))
+                .zip(&self.counts)
+                .map(|(n, counts)| if n < count { counts } else { &absent })
+        };
         for counts in ticks() {
             let [[a, b], [c, d], [e, f]] = counts.accel.map(i16::to_le_bytes);
             out.bytes([a, b, c, d, e, f]);

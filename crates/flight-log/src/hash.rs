@@ -175,7 +175,11 @@ mod tests {
             lanes.finish()
         };
         let sign = 1 << 31;
-        let patterns = [[[0; 4]; 2], [[sign, 0, 0, 0], [sign, 0, 0, 0]], [[sign, sign, 0, 0], [0; 4]]];
+        let patterns = [
+            [[0; 4]; 2],
+            [[sign, 0, 0, 0], [sign, 0, 0, 0]],
+            [[sign, sign, 0, 0], [0; 4]],
+        ];
         let hashes: BTreeSet<u32> = patterns.iter().map(|words| hash(words)).collect();
         assert_eq!(hashes.len(), patterns.len());
     }

@@ -263,7 +263,11 @@ impl<'a, F: Fn(PlanKind, u8, u16) -> Option<MissionItem>> HeaderWriter<'a, F> {
             return Message::StageEnds(Stage::Done);
         };
         let index = u16::try_from(self.index).unwrap_or(u16::MAX);
-        let item = if index < count { (self.items)(kind, slot, index) } else { None };
+        let item = if index < count {
+            (self.items)(kind, slot, index)
+        } else {
+            None
+        };
         let Some(item) = item else {
             return Message::StageEnds(Stage::Item(plan + 1));
         };

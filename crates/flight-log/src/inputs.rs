@@ -2,9 +2,7 @@
 //!
 //! A kind is declared once, below. Items carry the tick of the boundary at which they were frozen.
 
-use windhover_autopilot::{
-    Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Urgent,
-};
+use windhover_autopilot::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Urgent};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::{Quaternion, Vector3};
 
@@ -89,7 +87,12 @@ pub(crate) struct FlatCommand {
     pub crc: u32,
 }
 
-record!(FlatCommand { command: u8, slot: u8, count: u16, crc: u32 });
+record!(FlatCommand {
+    command: u8,
+    slot: u8,
+    count: u16,
+    crc: u32
+});
 
 impl From<Command> for FlatCommand {
     fn from(command: Command) -> Self {

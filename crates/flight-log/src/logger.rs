@@ -150,7 +150,10 @@ impl<const N: usize> Logger<N> {
         if let Some(record) = record {
             self.boundary(record);
         }
-        self.imu.push(&input.imu);
+        if !self.imu.push(&input.imu) {
+            // A period longer than any we log: its inputs are not all there.
+            self.lose(self.imu.record.tick);
+        }
         self.motors.push(motors);
         if let Some(urgent) = input.urgent {
             let (tick, time) = (self.tick, self.time);
@@ -201,7 +204,9 @@ impl<const N: usize> Logger<N> {
             self.motors.hash = period_hash(self.adopted, self.motors.commands());
             let time = self.imu.times[0];
             let motors = &self.motors;
-            let length = data(&mut self.scratch, MotorBatch::TOPIC.id, time, |out| motors.put(k, out));
+            let length = data(&mut self.scratch, MotorBatch::TOPIC.id, time, |out| {
+                motors.put(k, out)
+            });
             self.push(Class::Output, length);
         } else {
             self.lose(tick);
@@ -218,7 +223,9 @@ impl<const N: usize> Logger<N> {
                 tick: imu.record.tick,
                 times: imu.times,
             };
-            let length = data(&mut self.scratch, ImuTimes::TOPIC.id, time, |out| exact.put(k, out));
+            let length = data(&mut self.scratch, ImuTimes::TOPIC.id, time, |out| {
+                exact.put(k, out)
+            });
             if !self.push(Class::Input, length) {
                 return false;
             }
@@ -276,7 +283,10 @@ impl<const N: usize> Logger<N> {
         let increments = &snapshot.increments;
         self.counts.ticks = self.counts.ticks.wrapping_add(u32::from(increments.ticks));
         self.counts.missing = self.counts.missing.wrapping_add(u32::from(increments.missing));
-        self.counts.saturated = self.counts.saturated.wrapping_add(u32::from(increments.saturated));
+        self.counts.saturated = self
+            .counts
+            .saturated
+            .wrapping_add(u32::from(increments.saturated));
         if self.config.view_divider == 0 {
             return;
         }
@@ -295,8 +305,16 @@ impl<const N: usize> Logger<N> {
     }
 
     fn fast_views(&mut self, time: u64, result: &OuterResult) {
-        self.view(time, &VehicleAttitude { q: result.report.estimate.attitude });
-        self.view(time, &VehicleAttitudeSetpoint::new(result, self.config.thrust_max));
+        self.view(
+            time,
+            &VehicleAttitude {
+                q: result.report.estimate.attitude,
+            },
+        );
+        self.view(
+            time,
+            &VehicleAttitudeSetpoint::new(result, self.config.thrust_max),
+        );
         self.view(time, &VehicleLocalPosition::new(result));
         if let Some(setpoint) = VehicleLocalPositionSetpoint::new(result) {
             self.view(time, &setpoint);
@@ -330,7 +348,12 @@ impl<const N: usize> Logger<N> {
             self.phase = Some(phase);
             self.view(time, &phase.0);
             self.view(time, &VehicleStatus::new(snapshot, result));
-            self.view(time, &VehicleLandDetected { landed: result.landed });
+            self.view(
+                time,
+                &VehicleLandDetected {
+                    landed: result.landed,
+                },
+            );
         }
         if due {
             let counts = self.counts;

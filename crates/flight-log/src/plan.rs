@@ -7,7 +7,15 @@ use crate::record::{Description, Field, Record, Topic};
 use crate::value::Value;
 use crate::wire::{Decoder, Encoder};
 
-record!(MissionItem { command: u16, frame: u8, autocontinue: bool, params: [f32; 4], x: i32, y: i32, z: f32 });
+record!(MissionItem {
+    command: u16,
+    frame: u8,
+    autocontinue: bool,
+    params: [f32; 4],
+    x: i32,
+    y: i32,
+    z: f32
+});
 
 /// What an item belongs to; numbers as in MAVLink's `MAV_MISSION_TYPE`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

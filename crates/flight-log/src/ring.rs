@@ -51,7 +51,10 @@ impl<const N: usize> Ring<N> {
         let straight = count.min(head.len());
         let (first, second) = to.split_at_mut_checked(straight).unwrap_or_default();
         copy(first, head);
-        copy(second.get_mut(..count - straight).unwrap_or_default(), &self.bytes);
+        copy(
+            second.get_mut(..count - straight).unwrap_or_default(),
+            &self.bytes,
+        );
         self.start = wrap::<N>(self.start + count);
         self.length -= count;
         count

@@ -339,7 +339,11 @@ impl VehicleStatus {
     /// From an outer step.
     pub fn new(snapshot: &Snapshot, result: &OuterResult) -> Self {
         Self {
-            arming_state: if result.motors == MotorState::Disarmed { 1 } else { 2 },
+            arming_state: if result.motors == MotorState::Disarmed {
+                1
+            } else {
+                2
+            },
             nav_state: match result.report.phase {
                 Phase::Mission => 3,
                 Phase::Disarmed | Phase::Armed => 4,
