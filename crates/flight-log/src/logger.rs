@@ -49,13 +49,13 @@ pub struct LoggerConfig {
 }
 
 impl LoggerConfig {
-    /// For a core with these parameters; views 21 times a second.
+    /// For a core with these parameters; views 17 times a second.
     pub fn new(inner: InnerConfig, parameters: &Parameters) -> Self {
         Self {
             inner,
             calibration: parameters.calibration,
             thrust_max: 4.0 * parameters.vehicle.rotor_thrust_max(),
-            view_divider: 12,
+            view_divider: 15,
         }
     }
 

@@ -104,10 +104,14 @@ pub fn mission() -> Vec<MissionItem> {
         y: HOME.longitude,
         z,
     };
+    let photo = MissionItem {
+        params: [0.0, 0.0, 1.0, f32::NAN],
+        ..item(2000, 0, 0.0)
+    };
     vec![
         item(22, 0, 10.0),
         item(16, 20, 10.0),
-        item(2000, 0, 0.0),
+        photo,
         item(16, 40, 12.0),
         item(21, 40, 0.0),
     ]
