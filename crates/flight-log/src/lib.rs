@@ -6,7 +6,7 @@
 //!
 //! - [`wire`], [`value`], [`record`]: bytes, scalars, and records declared one line each.
 //! - [`inputs`]: what the core takes from its queues; a new kind of input is one line there.
-//! - [`batch`]: inertial samples and motor commands, one message a period of the outer step.
+//! - [`batch`], [`motors`]: inertial samples and motor commands, one message a period each.
 //! - [`views`]: what people look at, under PX4's names where PX4 has one.
 //! - [`hash`]: what the 32-bit hash of a period's outputs is.
 //! - [`header`]: everything before the first tick, in bounded chunks.
@@ -27,6 +27,7 @@ pub mod hash;
 pub mod header;
 pub mod inputs;
 pub mod logger;
+pub mod motors;
 pub mod plan;
 #[cfg(feature = "reader")]
 pub mod reader;
@@ -37,12 +38,13 @@ pub mod value;
 pub mod views;
 pub mod wire;
 
-pub use batch::{ImuBatch, ImuTimes, MAX_K, MotorBatch};
+pub use batch::{ImuBatch, ImuTimes, MAX_K};
 pub use crc::{crc32, mission_crc};
 pub use hash::{period_hash, result_hash};
 pub use header::{Header, HeaderWriter, InfoValue};
 pub use inputs::Input;
 pub use logger::{Logger, LoggerConfig};
+pub use motors::MotorBatch;
 pub use plan::{Plan, PlanItem, PlanKind};
 pub use record::{Record, Topic};
 pub use views::View;

@@ -2,7 +2,8 @@
 
 use windhover_autopilot::Urgent;
 
-use crate::batch::{ImuBatch, ImuTimes, MotorBatch};
+use crate::batch::{ImuBatch, ImuTimes};
+use crate::motors::MotorBatch;
 use crate::plan::PlanItem;
 use crate::record::{Description, Topic};
 use crate::{inputs, views};

@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{Plot, Random, fly};
-use windhover_flight_log::reader::{CoreSetup, Log, OpenError, Reason, Step, difference};
+use windhover_flight_log::reader::{CoreSetup, Entry, Log, OpenError, Reason, Step, difference};
 use windhover_flight_log::{View, wire};
 
 thread_local! {
@@ -54,10 +54,10 @@ fn read(bytes: &[u8]) -> Result<(usize, Reason), OpenError> {
     let mut entries = log.entries();
     let mut last: Option<View> = None;
     for entry in entries.by_ref() {
-        if let windhover_flight_log::reader::Entry::View { view, .. } = entry {
-            if let Some(last) = last.replace(view) {
-                let _ = difference(&last, &view);
-            }
+        if let Entry::View { view, .. } = entry
+            && let Some(last) = last.replace(view)
+        {
+            let _ = difference(&last, &view);
         }
     }
     let end = entries.end().expect("an end").clone();

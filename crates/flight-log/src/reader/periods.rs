@@ -8,7 +8,8 @@ use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, ScheduleRecord,
 
 use super::end::{End, Reason};
 use super::entries::{Entries, Entry};
-use crate::batch::{ImuBatch, MAX_K, MotorBatch};
+use crate::batch::{ImuBatch, MAX_K};
+use crate::motors::MotorBatch;
 use crate::plan::PlanItem;
 use crate::topics;
 use crate::views::View;

@@ -9,24 +9,22 @@
 //! with what a snapshot froze, before the next boundary; [`Logger::result`] with what the outer
 //! step made of it, before the tick that adopts it.
 
-use windhover_autopilot::sensing::{CalibrationParameters, convert};
-use windhover_autopilot::{
-    Imu, InnerConfig, InnerInput, MotorCommand, OuterInputs, OuterResult, Parameters, ScheduleRecord,
-    Snapshot,
-};
+mod config;
+mod outputs;
 
-use crate::batch::{ImuBatch, ImuTimes, MAX_K, MotorBatch};
-use crate::hash::{period_hash, result_hash};
+use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, ScheduleRecord};
+
+use crate::batch::{ImuBatch, ImuTimes, MAX_K};
+use crate::hash::period_hash;
 use crate::header::InfoValue;
 use crate::inputs::Sink;
+use crate::motors::MotorBatch;
 use crate::plan::PlanItem;
 use crate::record::{Record, Topic, data};
 use crate::ring::Ring;
-use crate::views::{
-    ActuatorMotors, Disturbance, FlightPhase, Gap, Leg, Mission, Refusal, SensorCombined, TickCounts,
-    VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition,
-    VehicleLocalPositionSetpoint, VehicleStatus,
-};
+use crate::views::{FlightPhase, Gap, Leg, TickCounts};
+pub use config::{LoggerConfig, nominal_step};
+
 use crate::wire::{self, Encoder, kind, message};
 
 /// The longest message of all.
@@ -34,47 +32,6 @@ const LONGEST: usize = 256;
 
 /// Periods between two synchronisation messages and two looks at the slow views: one second.
 const SLOW: u32 = 250;
-
-/// What a logger is made with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoggerConfig {
-    /// What the inner step is made with.
-    pub inner: InnerConfig,
-    /// Calibration, for the view `sensor_combined`.
-    pub calibration: CalibrationParameters,
-    /// Thrust of all rotors at full command, N, for the view `vehicle_attitude_setpoint`.
-    pub thrust_max: f32,
-    /// Views are written every so many outer steps; 0 for none.
-    pub view_divider: u32,
-}
-
-impl LoggerConfig {
-    /// For a core with these parameters; views 17 times a second.
-    pub fn new(inner: InnerConfig, parameters: &Parameters) -> Self {
-        Self {
-            inner,
-            calibration: parameters.calibration,
-            thrust_max: 4.0 * parameters.vehicle.rotor_thrust_max(),
-            view_divider: 15,
-        }
-    }
-
-    fn k(&self) -> usize {
-        (self.inner.k() as usize).min(MAX_K)
-    }
-
-    fn nominal(&self) -> u64 {
-        nominal_step(self.inner.imu_rate)
-    }
-}
-
-/// The nominal step between two ticks, µs, from which deviations count.
-pub const fn nominal_step(imu_rate: u32) -> u64 {
-    match 1_000_000u32.checked_div(imu_rate) {
-        Some(step) => step as u64,
-        None => 0,
-    }
-}
 
 /// The logger with its ring of `N` bytes.
 #[derive(Clone, Debug)]
@@ -275,97 +232,6 @@ impl<const N: usize> Logger<N> {
         self.gap.get_or_insert(tick);
         self.dropout_since.get_or_insert(self.time);
         self.dropped_inputs = self.dropped_inputs.saturating_add(1);
-    }
-
-    /// What the outer step made of a snapshot.
-    pub fn result(&mut self, snapshot: &Snapshot, result: &OuterResult) {
-        self.result = Some(result_hash(result));
-        let increments = &snapshot.increments;
-        self.counts.ticks = self.counts.ticks.wrapping_add(u32::from(increments.ticks));
-        self.counts.missing = self.counts.missing.wrapping_add(u32::from(increments.missing));
-        self.counts.saturated = self
-            .counts
-            .saturated
-            .wrapping_add(u32::from(increments.saturated));
-        if self.config.view_divider == 0 {
-            return;
-        }
-        let time = snapshot.time;
-        for event in &result.report.events {
-            self.view(time, &Mission::from(event));
-        }
-        for refused in &result.report.refusals {
-            self.view(time, &Refusal::from(refused));
-        }
-        if self.views.is_multiple_of(self.config.view_divider) {
-            self.fast_views(time, result);
-        }
-        self.slow_views(snapshot, result);
-        self.views = self.views.wrapping_add(1);
-    }
-
-    fn fast_views(&mut self, time: u64, result: &OuterResult) {
-        self.view(
-            time,
-            &VehicleAttitude {
-                q: result.report.estimate.attitude,
-            },
-        );
-        self.view(
-            time,
-            &VehicleAttitudeSetpoint::new(result, self.config.thrust_max),
-        );
-        self.view(time, &VehicleLocalPosition::new(result));
-        if let Some(setpoint) = VehicleLocalPositionSetpoint::new(result) {
-            self.view(time, &setpoint);
-        }
-        if let Some(command) = self.motors.commands().last() {
-            let share = |rotor| f32::from(rotor) / f32::from(u16::MAX);
-            let control = command.rotors().unwrap_or_default().map(share);
-            self.view(time, &ActuatorMotors { control });
-        }
-        if let Some(Imu::Sample { counts, .. }) = self.last_imu() {
-            let inertial = convert(&counts, &self.config.inner.rotation, &self.config.calibration);
-            let sample = SensorCombined {
-                gyro_rad: inertial.rate,
-                accelerometer_m_s2: inertial.specific_force,
-            };
-            self.view(time, &sample);
-        }
-        let acceleration = result.report.disturbance;
-        self.view(time, &Disturbance { acceleration });
-    }
-
-    fn last_imu(&self) -> Option<Imu> {
-        self.imu.imu(usize::from(self.imu.count).checked_sub(1)?)
-    }
-
-    fn slow_views(&mut self, snapshot: &Snapshot, result: &OuterResult) {
-        let time = snapshot.time;
-        let phase = (FlightPhase::new(snapshot, result), result.landed);
-        let due = self.views.is_multiple_of(SLOW);
-        if due || self.phase != Some(phase) {
-            self.phase = Some(phase);
-            self.view(time, &phase.0);
-            self.view(time, &VehicleStatus::new(snapshot, result));
-            self.view(
-                time,
-                &VehicleLandDetected {
-                    landed: result.landed,
-                },
-            );
-        }
-        if due {
-            let counts = self.counts;
-            self.view(time, &counts);
-        }
-        let leg = result.report.leg_end.map(|destination| Leg { destination });
-        if leg.is_some() && leg != self.leg {
-            self.leg = leg;
-            if let Some(leg) = leg {
-                self.view(time, &leg);
-            }
-        }
     }
 
     /// A record for people, or of a model. `false` when it found no room.
