@@ -14,7 +14,7 @@ mod outputs;
 
 use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, ScheduleRecord};
 
-use crate::batch::{ImuBatch, ImuTimes, MAX_K};
+use crate::batch::{ImuBatch, ImuTimes};
 use crate::hash::period_hash;
 use crate::header::InfoValue;
 use crate::inputs::Sink;
@@ -23,9 +23,9 @@ use crate::plan::PlanItem;
 use crate::record::{Record, Topic, data};
 use crate::ring::Ring;
 use crate::views::{FlightPhase, Gap, Leg, TickCounts};
-pub use config::{LoggerConfig, nominal_step};
-
 use crate::wire::{self, Encoder, kind, message};
+
+pub use config::{LoggerConfig, nominal_step};
 
 /// The longest message of all.
 const LONGEST: usize = 256;
