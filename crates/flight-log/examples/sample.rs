@@ -31,7 +31,7 @@ fn main() {
 /// Storage that takes nothing in the first half.
 fn gap(ticks: usize) -> Vec<u8> {
     let mut flown = Flown::new(common::header_bytes(1000, &common::mission()));
-    let mut bench = Bench::<1024>::new(Plot::disrupted(8, 1000, ticks));
+    let mut bench = Bench::<384>::new(Plot::disrupted(8, 1000, ticks));
     for tick in 0..ticks {
         bench.tick(tick, &mut flown);
         if tick > ticks / 2 {
