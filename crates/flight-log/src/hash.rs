@@ -1,0 +1,203 @@
+//! The 32-bit hash of a period's outputs: equal outputs, equal hash, and practically only then.
+//!
+//! A period's outputs are the outer result that was adopted at its boundary, if one was, and the
+//! motor commands of its ticks. Words of 32 bits, floats by their bits, go through four lanes: in
+//! each, exclusive or, multiplication by FNV's prime, rotation (so that high bits reach low ones).
+//! The lanes are joined by the finaliser of MurmurHash3.
+
+use windhover_autopilot::mission::MissionEvent;
+use windhover_autopilot::{MotorCommand, OuterReport, OuterResult, Refused};
+use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
+use windhover_math::{Quaternion, Vector3};
+
+use crate::inputs::FlatCommand;
+use crate::views::{blocker_code, motor_state_code, phase_code, refusal_code};
+
+const PRIME: u32 = 16_777_619;
+
+struct Lanes([u32; 4]);
+
+impl Lanes {
+    const fn new() -> Self {
+        Self([0x811c_9dc5, 0x1234_5678, 0x9e37_79b9, 0xc2b2_ae35])
+    }
+
+    #[inline(always)]
+    fn words(&mut self, words: [u32; 4]) {
+        for (lane, word) in self.0.iter_mut().zip(words) {
+            *lane = (*lane ^ word).wrapping_mul(PRIME).rotate_left(13);
+        }
+    }
+
+    #[inline(always)]
+    fn vector(&mut self, v: &Vector3, word: u32) {
+        self.words([v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), word]);
+    }
+
+    #[inline(always)]
+    fn quaternion(&mut self, q: &Quaternion) {
+        self.words([q.w.to_bits(), q.x.to_bits(), q.y.to_bits(), q.z.to_bits()]);
+    }
+
+    fn finish(self) -> u32 {
+        self.0.iter().fold(0, |hash, lane| {
+            let hash = (hash ^ lane).wrapping_mul(0x85eb_ca6b);
+            let hash = (hash ^ hash >> 13).wrapping_mul(0xc2b2_ae35);
+            hash ^ hash >> 16
+        })
+    }
+}
+
+/// The hash of an outer result, its report included. New parameters of the inner step count as
+/// present or not; what they do shows in the motor commands.
+pub fn result_hash(result: &OuterResult) -> u32 {
+    let mut lanes = Lanes::new();
+    lanes.words([
+        result.tick,
+        u32::from(motor_state_code(result.motors)),
+        u32::from(result.landed),
+        u32::from(result.parameters.is_some()),
+    ]);
+    lanes.quaternion(&result.attitude);
+    lanes.vector(&result.gyro_bias, u32::from(phase_code(result.report.phase)));
+    let AttitudeSetpoint {
+        attitude,
+        rate,
+        thrust,
+    } = &result.setpoint;
+    lanes.quaternion(attitude);
+    lanes.vector(rate, thrust.to_bits());
+    report(&mut lanes, &result.report);
+    lanes.finish()
+}
+
+fn report(lanes: &mut Lanes, report: &OuterReport) {
+    let estimate = &report.estimate;
+    lanes.vector(&estimate.position, u32::from(estimate.age.is_some()));
+    lanes.vector(&estimate.velocity, estimate.age.unwrap_or_default());
+    lanes.quaternion(&estimate.attitude);
+    lanes.vector(&report.disturbance, u32::from(report.leg_end.is_some()));
+    lanes.vector(
+        &report.leg_end.unwrap_or_default(),
+        u32::from(report.trajectory.is_some()),
+    );
+    if let Some(trajectory) = &report.trajectory {
+        let TrajectorySetpoint {
+            position,
+            velocity,
+            acceleration,
+            jerk,
+            heading,
+            heading_rate,
+        } = trajectory;
+        lanes.vector(position, heading.to_bits());
+        lanes.vector(velocity, heading_rate.to_bits());
+        lanes.vector(acceleration, 0);
+        lanes.vector(jerk, 0);
+    }
+    for happened in &report.events {
+        event(lanes, happened);
+    }
+    for refused in &report.refusals {
+        refusal(lanes, refused);
+    }
+}
+
+fn event(lanes: &mut Lanes, event: &MissionEvent) {
+    match event {
+        MissionEvent::Reached(item) => lanes.words([1, u32::from(*item), 0, 0]),
+        MissionEvent::Missed(item) => lanes.words([2, u32::from(*item), 0, 0]),
+        MissionEvent::Photo {
+            item,
+            target,
+            settled,
+        } => {
+            lanes.words([
+                3,
+                u32::from(*item),
+                u32::from(*settled),
+                u32::from(target.is_some()),
+            ]);
+            lanes.vector(&target.unwrap_or_default(), 0);
+        }
+        MissionEvent::Landed => lanes.words([4, 0, 0, 0]),
+        MissionEvent::Finished => lanes.words([5, 0, 0, 0]),
+    }
+}
+
+fn refusal(lanes: &mut Lanes, refused: &Refused) {
+    match refused {
+        Refused::Command(command, blocker) => {
+            let flat = FlatCommand::from(*command);
+            let place = u32::from(flat.slot) << 16 | u32::from(flat.count);
+            let kind = u32::from(flat.command) << 8 | u32::from(blocker_code(*blocker));
+            lanes.words([6, kind, place, flat.crc]);
+        }
+        Refused::Parameter(write, refusal) => {
+            let reason = u32::from(refusal_code(*refusal));
+            lanes.words([7, u32::from(write.index), write.value.to_bits(), reason]);
+        }
+    }
+}
+
+/// The hash of a period: [`result_hash`] of the result that was adopted at its boundary, and the
+/// commands of its ticks.
+pub fn period_hash(adopted: Option<u32>, commands: &[MotorCommand]) -> u32 {
+    let mut lanes = Lanes::new();
+    lanes.words([adopted.unwrap_or_default(), u32::from(adopted.is_some()), 0, 0]);
+    for command in commands {
+        let (kind, [a, b, c, d]) = match *command {
+            MotorCommand::Disarmed => (1, [0; 4]),
+            MotorCommand::Idle(idle) => (2, [idle; 4]),
+            MotorCommand::Run(rotors) => (3, rotors),
+        };
+        lanes.words([
+            u32::from(a) << 16 | u32::from(b),
+            u32::from(c) << 16 | u32::from(d),
+            kind,
+            0,
+        ]);
+    }
+    lanes.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn signs_do_not_cancel() {
+        let hash = |words: &[[u32; 4]]| {
+            let mut lanes = Lanes::new();
+            words.iter().for_each(|w| lanes.words(*w));
+            lanes.finish()
+        };
+        let sign = 1 << 31;
+        let patterns = [
+            [[0; 4]; 2],
+            [[sign, 0, 0, 0], [sign, 0, 0, 0]],
+            [[sign, sign, 0, 0], [0; 4]],
+        ];
+        let hashes: BTreeSet<u32> = patterns.iter().map(|words| hash(words)).collect();
+        assert_eq!(hashes.len(), patterns.len());
+    }
+
+    #[test]
+    fn each_part_of_a_period_counts() {
+        let run = |n| MotorCommand::Run([n, 2, 3, 4]);
+        let periods = [
+            period_hash(None, &[run(1), run(1)]),
+            period_hash(Some(0), &[run(1), run(1)]),
+            period_hash(Some(1), &[run(1), run(1)]),
+            period_hash(None, &[run(1)]),
+            period_hash(None, &[run(1), run(2)]),
+            period_hash(None, &[run(2), run(1)]),
+            period_hash(None, &[MotorCommand::Idle(0); 2]),
+            period_hash(None, &[MotorCommand::Disarmed; 2]),
+            period_hash(None, &[MotorCommand::Run([0; 4]); 2]),
+        ];
+        assert_eq!(BTreeSet::from(periods).len(), periods.len());
+    }
+}

@@ -1,0 +1,335 @@
+//! The logger: takes what the core consumed and gave, and gives bytes to whoever owns the storage.
+//!
+//! Bytes wait in a ring of `N`. Half of it is reserved for inputs: outputs and views that find the
+//! other half full are dropped and counted, and a dropout message says for how long. An input that
+//! finds no room at all begins a gap: inputs are no longer logged until there is room again at a
+//! boundary, and a `gap` record says from which tick to which they are missing.
+//!
+//! Calls, in this order: [`Logger::tick`] after each tick of the inner step; [`Logger::inputs`]
+//! with what a snapshot froze, before the next boundary; [`Logger::result`] with what the outer
+//! step made of it, before the tick that adopts it.
+
+mod config;
+mod outputs;
+
+use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, ScheduleRecord};
+
+use crate::batch::{ImuBatch, ImuTimes};
+use crate::hash::period_hash;
+use crate::header::InfoValue;
+use crate::inputs::Sink;
+use crate::motors::MotorBatch;
+use crate::plan::PlanItem;
+use crate::record::{Record, Topic, data};
+use crate::ring::Ring;
+use crate::views::{FlightPhase, Gap, Leg, TickCounts};
+use crate::wire::{self, Encoder, kind, message};
+
+pub use config::{LoggerConfig, nominal_step};
+
+/// The longest message of all.
+const LONGEST: usize = 256;
+
+/// Periods between two synchronisation messages and two looks at the slow views: one second.
+const SLOW: u32 = 250;
+
+/// The logger with its ring of `N` bytes.
+#[derive(Clone, Debug)]
+pub struct Logger<const N: usize> {
+    config: LoggerConfig,
+    k: usize,
+    nominal: u64,
+    ring: Ring<N>,
+    imu: ImuBatch,
+    motors: MotorBatch,
+    /// Hash of the outer result that was not adopted yet.
+    result: Option<u32>,
+    /// Hash of the outer result with which this period began.
+    adopted: Option<u32>,
+    tick: u32,
+    time: u64,
+    periods: u32,
+    views: u32,
+    phase: Option<(FlightPhase, bool)>,
+    leg: Option<Leg>,
+    counts: TickCounts,
+    /// First tick of the gap that is open.
+    gap: Option<u32>,
+    dropout_since: Option<u64>,
+    dropped_inputs: u32,
+    scratch: [u8; LONGEST],
+}
+
+/// Whether a message may use the reserve.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Class {
+    Input,
+    Output,
+}
+
+impl<const N: usize> Logger<N> {
+    /// What outputs leave free.
+    const RESERVE: usize = N / 2;
+
+    /// Empty, before the first tick.
+    pub fn new(config: LoggerConfig) -> Self {
+        Self {
+            k: config.k(),
+            nominal: config.nominal(),
+            config,
+            ring: Ring::new(),
+            imu: ImuBatch::new(ScheduleRecord {
+                tick: 0,
+                adopted: false,
+                snapshot_taken: false,
+            }),
+            motors: MotorBatch::new(),
+            result: None,
+            adopted: None,
+            tick: 0,
+            time: 0,
+            periods: 0,
+            views: 0,
+            phase: None,
+            leg: None,
+            counts: TickCounts::default(),
+            gap: None,
+            dropout_since: None,
+            dropped_inputs: 0,
+            scratch: [0; LONGEST],
+        }
+    }
+
+    /// One tick of the inner step: what it took, what it commanded, and what the boundary did.
+    #[inline]
+    pub fn tick(&mut self, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>) {
+        self.time = input.imu.time();
+        if let Some(record) = record {
+            self.boundary(record);
+        }
+        if !self.imu.push(&input.imu) {
+            // A period longer than any we log: its inputs are not all there.
+            self.lose(self.imu.record.tick);
+        }
+        self.motors.push(motors);
+        if let Some(urgent) = input.urgent {
+            let (tick, time) = (self.tick, self.time);
+            self.input(tick, time, &urgent);
+        }
+        self.tick = self.tick.wrapping_add(1);
+    }
+
+    /// Writes the period that ends, and begins the next.
+    fn boundary(&mut self, record: ScheduleRecord) {
+        self.flush();
+        self.tick = record.tick;
+        self.periods = self.periods.wrapping_add(1);
+        if let Some(from) = self.gap
+            && self.ring.free() > Self::RESERVE
+        {
+            let gap = Gap {
+                from,
+                until: record.tick,
+            };
+            self.gap = None;
+            self.end_dropout();
+            let time = self.time;
+            let length = data(&mut self.scratch, Gap::TOPIC.id, time, |out| gap.put(out));
+            if !self.push(Class::Input, length) {
+                self.gap = Some(from);
+            }
+        }
+        if self.periods.is_multiple_of(SLOW) {
+            let length = message(&mut self.scratch, kind::SYNC, |out| out.bytes(wire::SYNC));
+            self.push(Class::Output, length);
+        }
+        self.imu.restart(record);
+        self.motors.count = 0;
+        self.motors.tick = record.tick as u16;
+        self.adopted = if record.adopted { self.result.take() } else { None };
+    }
+
+    /// Writes the period that has come together.
+    fn flush(&mut self) {
+        if self.imu.count == 0 {
+            return;
+        }
+        let (k, nominal, tick) = (self.k, self.nominal, self.imu.record.tick);
+        if self.gap.is_some() {
+            self.lose(tick);
+        } else if self.flush_inputs(k, nominal) {
+            self.motors.hash = period_hash(self.adopted, self.motors.commands());
+            let time = self.imu.times[0];
+            let motors = &self.motors;
+            let length = data(&mut self.scratch, MotorBatch::TOPIC.id, time, |out| {
+                motors.put(k, out)
+            });
+            self.push(Class::Output, length);
+        } else {
+            self.lose(tick);
+        }
+        self.imu.count = 0;
+        self.motors.count = 0;
+    }
+
+    fn flush_inputs(&mut self, k: usize, nominal: u64) -> bool {
+        let imu = &self.imu;
+        let time = imu.times[0];
+        if imu.needs_times(nominal) {
+            let exact = ImuTimes {
+                tick: imu.record.tick,
+                times: imu.times,
+            };
+            let length = data(&mut self.scratch, ImuTimes::TOPIC.id, time, |out| {
+                exact.put(k, out)
+            });
+            if !self.push(Class::Input, length) {
+                return false;
+            }
+        }
+        let imu = &self.imu;
+        let length = data(&mut self.scratch, ImuBatch::TOPIC.id, time, |out| {
+            imu.put(k, nominal, out);
+        });
+        self.push(Class::Input, length)
+    }
+
+    /// What the snapshot of a boundary froze.
+    #[inline]
+    pub fn inputs(&mut self, inputs: &OuterInputs, tick: u32) {
+        let time = self.imu.times[0];
+        Inputs {
+            logger: self,
+            tick,
+            time,
+        }
+        .take_all(inputs);
+    }
+
+    /// An item that was stored in flight, before a command commits to it.
+    pub fn plan_item(&mut self, item: &PlanItem) {
+        let time = self.time;
+        let length = data(&mut self.scratch, PlanItem::TOPIC.id, time, |out| item.put(out));
+        if self.gap.is_some() || !self.push(Class::Input, length) {
+            let tick = self.imu.record.tick;
+            self.lose(tick);
+        }
+    }
+
+    fn input<T: Topic>(&mut self, tick: u32, time: u64, item: &T) {
+        let length = data(&mut self.scratch, T::TOPIC.id, time, |out| {
+            out.bytes(tick.to_le_bytes());
+            item.put(out);
+        });
+        if self.gap.is_some() || !self.push(Class::Input, length) {
+            let tick = self.imu.record.tick;
+            self.lose(tick);
+        }
+    }
+
+    /// An input of this period is lost, and with it the period.
+    fn lose(&mut self, tick: u32) {
+        self.gap.get_or_insert(tick);
+        self.dropout_since.get_or_insert(self.time);
+        self.dropped_inputs = self.dropped_inputs.saturating_add(1);
+    }
+
+    /// A record for people, or of a model. `false` when it found no room.
+    pub fn view<T: Topic>(&mut self, time: u64, view: &T) -> bool {
+        let length = data(&mut self.scratch, T::TOPIC.id, time, |out| view.put(out));
+        self.push(Class::Output, length)
+    }
+
+    /// A line of text, at PX4's level "info". `false` when it found no room or is too long.
+    pub fn text(&mut self, time: u64, text: &str) -> bool {
+        let length = message(&mut self.scratch, kind::TEXT, |out| {
+            out.bytes([b'6']);
+            out.bytes(time.to_le_bytes());
+            out.slice(text.as_bytes());
+        });
+        self.push(Class::Output, length)
+    }
+
+    /// A named value that is known only now. `false` when it found no room or is too long.
+    pub fn info(&mut self, name: &str, value: InfoValue<'_>) -> bool {
+        let length = message(&mut self.scratch, kind::INFO, |out| value.put(name, out));
+        self.push(Class::Output, length)
+    }
+
+    /// Puts the message in `scratch` into the ring.
+    #[inline]
+    fn push(&mut self, class: Class, length: Option<usize>) -> bool {
+        let message = length.and_then(|length| self.scratch.get(..length));
+        let needed = message.map_or(N, <[u8]>::len) + if class == Class::Output { Self::RESERVE } else { 0 };
+        if class == Class::Output {
+            // A dropout message goes first where one is due.
+            let due = if self.dropout_since.is_some() { DROPOUT } else { 0 };
+            if self.ring.free() < needed + due {
+                self.counts.dropped_outputs = self.counts.dropped_outputs.saturating_add(1);
+                self.dropout_since.get_or_insert(self.time);
+                return false;
+            }
+            if due > 0 && self.gap.is_none() {
+                self.end_dropout();
+            }
+        }
+        match length.and_then(|length| self.scratch.get(..length)) {
+            Some(message) => self.ring.push(message),
+            None => false,
+        }
+    }
+
+    fn end_dropout(&mut self) {
+        let Some(since) = self.dropout_since.take() else {
+            return;
+        };
+        let lost = (self.time.saturating_sub(since) / 1000).clamp(1, u64::from(u16::MAX)) as u16;
+        let mut buffer = [0; DROPOUT];
+        let length = message(&mut buffer, kind::DROPOUT, |out: &mut Encoder<'_>| {
+            out.bytes(lost.to_le_bytes());
+        });
+        if length.is_none() || !self.ring.push(&buffer) {
+            self.dropout_since = Some(since);
+        }
+    }
+
+    /// Writes the period that has begun, as far as it has come: at the end of a log.
+    pub fn finish(&mut self) {
+        self.flush();
+    }
+
+    /// Moves bytes out, the oldest first, messages cut anywhere; how many.
+    pub fn drain(&mut self, to: &mut [u8]) -> usize {
+        self.ring.drain(to)
+    }
+
+    /// How many bytes wait.
+    pub fn waiting(&self) -> usize {
+        self.ring.len()
+    }
+
+    /// Outputs and views that found no room.
+    pub fn dropped_outputs(&self) -> u32 {
+        self.counts.dropped_outputs
+    }
+
+    /// Inputs that found no room, a whole period counted as one.
+    pub fn dropped_inputs(&self) -> u32 {
+        self.dropped_inputs
+    }
+}
+
+/// Bytes of a dropout message.
+const DROPOUT: usize = 5;
+
+struct Inputs<'a, const N: usize> {
+    logger: &'a mut Logger<N>,
+    tick: u32,
+    time: u64,
+}
+
+impl<const N: usize> Sink for Inputs<'_, N> {
+    fn take<T: Topic>(&mut self, item: &T) {
+        self.logger.input(self.tick, self.time, item);
+    }
+}

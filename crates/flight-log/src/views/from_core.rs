@@ -1,0 +1,200 @@
+//! Views from what the core gave.
+
+use windhover_autopilot::mission::MissionEvent;
+use windhover_autopilot::{Blocker, MotorState, OuterResult, Phase, Refused, Snapshot, Stop, Urgent};
+use windhover_math::Vector3;
+
+use super::{
+    FlightPhase, Mission, Refusal, VehicleAttitudeSetpoint, VehicleLocalPosition,
+    VehicleLocalPositionSetpoint, VehicleStatus,
+};
+use crate::inputs::FlatCommand;
+
+/// 0 disarmed, 1 armed, 2 mission, 3 offboard.
+pub const fn phase_code(phase: Phase) -> u8 {
+    match phase {
+        Phase::Disarmed => 0,
+        Phase::Armed => 1,
+        Phase::Mission => 2,
+        Phase::Offboard => 3,
+    }
+}
+
+/// 0 disarmed, 1 idle, 2 run.
+pub const fn motor_state_code(state: MotorState) -> u8 {
+    match state {
+        MotorState::Disarmed => 0,
+        MotorState::Idle => 1,
+        MotorState::Run => 2,
+    }
+}
+
+/// As in [`Refusal::reason`].
+pub const fn blocker_code(blocker: Blocker) -> u8 {
+    match blocker {
+        Blocker::NoEstimate => 1,
+        Blocker::NotArmed => 2,
+        Blocker::InFlight => 3,
+        Blocker::NoMission => 4,
+        Blocker::NoSetpoint => 5,
+        Blocker::Stopped => 6,
+    }
+}
+
+/// As in [`Refusal::reason`].
+pub const fn refusal_code(refusal: windhover_parameters::Refusal) -> u8 {
+    match refusal {
+        windhover_parameters::Refusal::Unknown => 1,
+        windhover_parameters::Refusal::OutOfRange { .. } => 2,
+        windhover_parameters::Refusal::Inconsistent => 3,
+    }
+}
+
+impl VehicleAttitudeSetpoint {
+    /// From an outer result; `thrust_max` in N.
+    pub fn new(result: &OuterResult, thrust_max: f32) -> Self {
+        Self {
+            q_d: result.setpoint.attitude,
+            thrust_body: Vector3::new(0.0, 0.0, -result.setpoint.thrust / thrust_max),
+        }
+    }
+}
+
+impl VehicleLocalPosition {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        let estimate = &result.report.estimate;
+        let known = estimate.age.is_some();
+        Self {
+            x: estimate.position.x,
+            y: estimate.position.y,
+            z: estimate.position.z,
+            vx: estimate.velocity.x,
+            vy: estimate.velocity.y,
+            vz: estimate.velocity.z,
+            heading: estimate.attitude.heading(),
+            xy_valid: known,
+            z_valid: known,
+            v_xy_valid: known,
+            v_z_valid: known,
+        }
+    }
+}
+
+impl VehicleLocalPositionSetpoint {
+    /// From an outer result; `None` when control followed no path.
+    pub fn new(result: &OuterResult) -> Option<Self> {
+        let point = result.report.trajectory?;
+        Some(Self {
+            x: point.position.x,
+            y: point.position.y,
+            z: point.position.z,
+            vx: point.velocity.x,
+            vy: point.velocity.y,
+            vz: point.velocity.z,
+            acceleration: point.acceleration,
+            yaw: point.heading,
+            yawspeed: point.heading_rate,
+        })
+    }
+}
+
+impl VehicleStatus {
+    /// From an outer step.
+    pub fn new(snapshot: &Snapshot, result: &OuterResult) -> Self {
+        Self {
+            arming_state: if result.motors == MotorState::Disarmed {
+                1
+            } else {
+                2
+            },
+            nav_state: match result.report.phase {
+                Phase::Mission => 3,
+                Phase::Disarmed | Phase::Armed => 4,
+                Phase::Offboard => 14,
+            },
+            vehicle_type: 1,
+            failsafe: snapshot.stopped == Some(Stop::ImuMissing),
+        }
+    }
+}
+
+impl FlightPhase {
+    /// From an outer step.
+    pub fn new(snapshot: &Snapshot, result: &OuterResult) -> Self {
+        Self {
+            phase: phase_code(result.report.phase),
+            motors: motor_state_code(result.motors),
+            stop: match snapshot.stopped {
+                None => 0,
+                Some(Stop::Commanded(Urgent::Kill)) => 1,
+                Some(Stop::Commanded(Urgent::Disarm)) => 2,
+                Some(Stop::ImuMissing) => 3,
+            },
+        }
+    }
+}
+
+impl From<&MissionEvent> for Mission {
+    fn from(event: &MissionEvent) -> Self {
+        let plain = |kind, item| Self {
+            kind,
+            item,
+            ..Self::default()
+        };
+        match *event {
+            MissionEvent::Reached(item) => plain(1, item),
+            MissionEvent::Missed(item) => plain(2, item),
+            MissionEvent::Photo {
+                item,
+                target,
+                settled,
+            } => Self {
+                settled,
+                has_target: target.is_some(),
+                target: target.unwrap_or_default(),
+                ..plain(3, item)
+            },
+            MissionEvent::Landed => plain(4, 0),
+            MissionEvent::Finished => plain(5, 0),
+        }
+    }
+}
+
+impl Mission {
+    /// The event, where the numbers name one.
+    pub fn event(&self) -> Option<MissionEvent> {
+        Some(match self.kind {
+            1 => MissionEvent::Reached(self.item),
+            2 => MissionEvent::Missed(self.item),
+            3 => MissionEvent::Photo {
+                item: self.item,
+                target: self.has_target.then_some(self.target),
+                settled: self.settled,
+            },
+            4 => MissionEvent::Landed,
+            5 => MissionEvent::Finished,
+            _ => return None,
+        })
+    }
+}
+
+impl From<&Refused> for Refusal {
+    fn from(refused: &Refused) -> Self {
+        match refused {
+            Refused::Command(command, blocker) => Self {
+                kind: 0,
+                command: FlatCommand::from(*command).command,
+                reason: blocker_code(*blocker),
+                ..Self::default()
+            },
+            Refused::Parameter(write, refusal) => Self {
+                kind: 1,
+                reason: refusal_code(*refusal),
+                index: write.index,
+                value: write.value,
+                ..Self::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! What people look at: topics under PX4's names and in PX4's units where PX4 has such a topic, so
+//! that PlotJuggler and Flight Review show a flight, and ours beside them.
+//!
+//! Nothing here is needed for replay; the group for the desktop holds what only a model knows.
+
+mod from_core;
+
+use windhover_math::{Quaternion, Vector3};
+
+use crate::record;
+use crate::record::{Description, Record, Topic};
+use crate::wire::Decoder;
+
+pub use from_core::{blocker_code, motor_state_code, phase_code, refusal_code};
+
+/// Declares views: struct, number and name of the topic, fields.
+macro_rules! views {
+    ($(
+        $(#[$meta:meta])*
+        $View:ident = $id:literal, $name:literal { $($(#[$field_meta:meta])* $field:ident: $Value:ty,)* }
+    )*) => {
+        $(
+            $(#[$meta])*
+            #[derive(Clone, Copy, Debug, Default, PartialEq)]
+            pub struct $View {
+                $($(#[$field_meta])* pub $field: $Value,)*
+            }
+
+            record!($View { $($field: $Value),* });
+
+            impl Topic for $View {
+                const TOPIC: Description = Description {
+                    id: $id,
+                    name: $name,
+                    ticked: false,
+                    fields: <$View as Record>::FIELDS,
+                };
+            }
+        )*
+
+        /// All views.
+        pub const TOPICS: &[Description] = &[$(<$View as Topic>::TOPIC,)*];
+
+        /// A record of any view.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum View {
+            $(
+                #[doc = concat!("Topic `", $name, "`.")]
+                $View($View),
+            )*
+        }
+
+        impl View {
+            /// Reads the fields of the topic with that number; `None` when they are not such.
+            pub fn get(id: u16, from: &mut Decoder<'_>) -> Option<Self> {
+                match id {
+                    $($id => Record::get(from).map(Self::$View),)*
+                    _ => None,
+                }
+            }
+
+            /// The topic, and the record as bytes, written into `buffer`.
+            pub fn put<'a>(&self, buffer: &'a mut [u8]) -> (Description, &'a [u8]) {
+                let mut out = crate::wire::Encoder::new(buffer);
+                let topic = match self {
+                    $(Self::$View(view) => {
+                        view.put(&mut out);
+                        <$View as Topic>::TOPIC
+                    })*
+                };
+                let length = out.finish().unwrap_or(0);
+                (topic, buffer.get(..length).unwrap_or_default())
+            }
+        }
+    };
+}
+
+views! {
+    /// Attitude as estimated.
+    VehicleAttitude = 32, "vehicle_attitude" {
+        /// Body (FRD) to world (NED).
+        q: Quaternion,
+    }
+    /// Attitude and thrust that position control demands.
+    VehicleAttitudeSetpoint = 33, "vehicle_attitude_setpoint" {
+        /// Body (FRD) to world (NED).
+        q_d: Quaternion,
+        /// Thrust in body axes as a share of the largest, −1 to 1.
+        thrust_body: Vector3,
+    }
+    /// Position and velocity as estimated, NED, m and m/s from home.
+    VehicleLocalPosition = 34, "vehicle_local_position" {
+        /// North, m.
+        x: f32,
+        /// East, m.
+        y: f32,
+        /// Down, m.
+        z: f32,
+        /// North, m/s.
+        vx: f32,
+        /// East, m/s.
+        vy: f32,
+        /// Down, m/s.
+        vz: f32,
+        /// Heading, rad.
+        heading: f32,
+        /// Whether x and y are known.
+        xy_valid: bool,
+        /// Whether z is known.
+        z_valid: bool,
+        /// Whether vx and vy are known.
+        v_xy_valid: bool,
+        /// Whether vz is known.
+        v_z_valid: bool,
+    }
+    /// The point of the path that position control follows.
+    VehicleLocalPositionSetpoint = 35, "vehicle_local_position_setpoint" {
+        /// North, m.
+        x: f32,
+        /// East, m.
+        y: f32,
+        /// Down, m.
+        z: f32,
+        /// North, m/s.
+        vx: f32,
+        /// East, m/s.
+        vy: f32,
+        /// Down, m/s.
+        vz: f32,
+        /// NED, m/s².
+        acceleration: Vector3,
+        /// Heading, rad.
+        yaw: f32,
+        /// Its rate, rad/s.
+        yawspeed: f32,
+    }
+    /// Motor commands.
+    ActuatorMotors = 36, "actuator_motors" {
+        /// Rotor speed as a share of the largest, in the core's rotor order.
+        control: [f32; 4],
+    }
+    /// A sample of the inertial sensors in SI units, body axes (FRD), calibrated.
+    SensorCombined = 37, "sensor_combined" {
+        /// Body rate, rad/s.
+        gyro_rad: Vector3,
+        /// Specific force, m/s².
+        accelerometer_m_s2: Vector3,
+    }
+    /// The state in PX4's numbers.
+    VehicleStatus = 38, "vehicle_status" {
+        /// 1 disarmed, 2 armed.
+        arming_state: u8,
+        /// 3 mission, 4 loiter (here: not flying), 14 offboard.
+        nav_state: u8,
+        /// 1: rotary wing.
+        vehicle_type: u8,
+        /// Whether the motors were stopped for a reason of the inner step's.
+        failsafe: bool,
+    }
+    /// Whether the vehicle is on the ground.
+    VehicleLandDetected = 39, "vehicle_land_detected" {
+        /// Whether it is.
+        landed: bool,
+    }
+    /// The state in our numbers; on change and once a second.
+    FlightPhase = 40, "phase" {
+        /// 0 disarmed, 1 armed, 2 mission, 3 offboard.
+        phase: u8,
+        /// 0 disarmed, 1 idle, 2 run.
+        motors: u8,
+        /// Why the inner step keeps the motors stopped: 0 it does not, 1 kill, 2 disarm, 3 no samples.
+        stop: u8,
+    }
+    /// Something that happened in the mission.
+    Mission = 41, "mission_event" {
+        /// 1 reached, 2 missed, 3 photo, 4 landed, 5 finished.
+        kind: u8,
+        /// Index of the item, for the first three.
+        item: u16,
+        /// Photo: whether position and speed had settled.
+        settled: bool,
+        /// Photo: whether the vehicle stopped for it.
+        has_target: bool,
+        /// Photo: where it was to be taken, NED, m.
+        target: Vector3,
+    }
+    /// The leg that is being flown; on change.
+    Leg = 42, "leg" {
+        /// Where it leads, NED, m.
+        destination: Vector3,
+    }
+    /// Something that was asked for and not done.
+    Refusal = 43, "refusal" {
+        /// 0 a command, 1 a parameter.
+        kind: u8,
+        /// Command: as in `input_command`.
+        command: u8,
+        /// Command: 1 no estimate, 2 not armed, 3 in flight, 4 no mission, 5 no setpoint, 6 stopped.
+        /// Parameter: 1 unknown, 2 out of range, 3 inconsistent.
+        reason: u8,
+        /// Parameter: its index.
+        index: u16,
+        /// Parameter: the value.
+        value: f32,
+    }
+    /// Acceleration by wind and payload as observed.
+    Disturbance = 44, "disturbance" {
+        /// NED, m/s².
+        acceleration: Vector3,
+    }
+    /// Sums since the start of the log; once a second.
+    TickCounts = 45, "tick_counts" {
+        /// Ticks.
+        ticks: u32,
+        /// Ticks without a sample.
+        missing: u32,
+        /// Ticks at which a rotor limit changed the demand.
+        saturated: u32,
+        /// Messages for people that found no room.
+        dropped_outputs: u32,
+    }
+    /// Inputs are missing from the tick `from` to before `until`.
+    Gap = 6, "gap" {
+        /// The first tick that is missing.
+        from: u32,
+        /// The first tick that is there again.
+        until: u32,
+    }
+    /// What the model knows; desktop only.
+    Truth = 64, "truth" {
+        /// NED, m.
+        position: [f64; 3],
+        /// NED, m/s.
+        velocity: [f64; 3],
+        /// Body to world.
+        q: [f64; 4],
+        /// FRD, rad/s.
+        body_rate: [f32; 3],
+        /// rad/s, in the core's rotor order.
+        rotor_speed: [f32; 4],
+        /// Velocity of the air, NED, m/s.
+        wind: [f32; 3],
+        /// Electrical power, W.
+        power: f32,
+        /// Electrical energy since the start, J.
+        energy: f64,
+    }
+}

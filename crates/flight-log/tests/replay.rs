@@ -1,0 +1,127 @@
+//! A log gives back what went in, and the core fed with it gives what came out.
+
+mod common;
+
+use common::{Flown, Plot, fly};
+use windhover_autopilot::mission::MissionSource;
+use windhover_autopilot::{Inner, Outer, OuterInputs, Queues};
+use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step};
+use windhover_flight_log::{period_hash, result_hash};
+
+fn periods(log: &Log<'_>) -> Vec<Period> {
+    let mut steps = log.periods();
+    let periods = steps
+        .by_ref()
+        .map(|step| match step {
+            Step::Period(period) => *period,
+            Step::Gap { from, .. } => panic!("gap at {from}"),
+        })
+        .collect();
+    assert_eq!(steps.end().unwrap().reason, Reason::Complete);
+    periods
+}
+
+fn plots() -> impl Iterator<Item = Plot> {
+    let rates = [250, 500, 1000, 4000];
+    rates.into_iter().flat_map(|rate| {
+        let disrupted = (1..6).map(move |seed| Plot::disrupted(seed, rate, 3 * rate as usize + 3));
+        disrupted.chain([Plot::calm(rate, 2 * rate as usize)])
+    })
+}
+
+#[test]
+fn every_input_and_output_comes_back() {
+    for plot in plots() {
+        let Flown {
+            log,
+            inputs,
+            motors,
+            records,
+            frozen,
+            dropped_inputs,
+            dropped_outputs,
+            ..
+        } = fly::<16384>(plot);
+        assert_eq!((dropped_inputs, dropped_outputs), (0, 0));
+        let log = Log::open(&log).unwrap();
+        let periods = periods(&log);
+        let read: Vec<_> = periods
+            .iter()
+            .flat_map(|period| period.ticks.iter().copied())
+            .collect();
+        assert!(read == inputs);
+        let read: Vec<_> = periods
+            .iter()
+            .flat_map(|period| period.outputs().unwrap().0.to_vec())
+            .collect();
+        assert!(read == motors);
+        let read: Vec<_> = periods.iter().map(|period| period.record).collect();
+        assert!(read == records);
+        let read: Vec<OuterInputs> = periods
+            .iter()
+            .filter_map(|period| period.inputs.clone())
+            .collect();
+        assert!(read == frozen);
+    }
+}
+
+#[test]
+fn the_core_repeats_the_flight() {
+    for plot in plots() {
+        let flown = fly::<16384>(plot);
+        let log = Log::open(&flown.log).unwrap();
+        let setup = CoreSetup::new(&log).unwrap();
+        assert_eq!(setup.parameters, common::parameters());
+        assert_eq!(setup.home, common::HOME);
+        let mut outer = Outer::new(setup.parameters, setup.home).unwrap();
+        let mut inner = Inner::new(setup.inner, outer.inner_parameters());
+        let (mut queues, mut result, mut ready) = (Queues::default(), None, None);
+        for period in periods(&log) {
+            if period.record.adopted {
+                ready = result.take();
+            }
+            if let Some(inputs) = &period.inputs {
+                queues.refill(inputs);
+            }
+            let adopted = ready.as_ref().map(result_hash);
+            let mut motors = Vec::new();
+            for input in &period.ticks {
+                let output = inner.tick(input, &mut ready, &mut queues);
+                motors.push(output.motors);
+                if let Some(snapshot) = output.snapshot {
+                    result = Some(outer.step(&snapshot, &setup.missions));
+                }
+            }
+            let hash = period_hash(adopted, &motors);
+            assert_eq!(
+                period.outputs(),
+                Some((motors.as_slice(), hash)),
+                "{:?}",
+                period.record
+            );
+        }
+    }
+}
+
+#[test]
+fn the_header_says_it_all() {
+    let bytes = common::header_bytes(4000, &common::mission());
+    let log = Log::open(&bytes).unwrap();
+    assert_eq!(log.end().unwrap().reason, Reason::Complete);
+    assert_eq!(log.text("sys_name"), Some("Windhover"));
+    assert_eq!(log.text("ver_sw").map(str::len), Some(40));
+    assert_eq!(log.text("reset_cause"), Some("power"));
+    assert_eq!(log.value::<f32>("declination"), Some(0.05));
+    assert_eq!(log.value::<u32>("sim_seed"), Some(1));
+    assert_eq!(log.value::<i32>("sim_seed"), None);
+    assert_eq!(log.k(), Some(16));
+    let setup = CoreSetup::new(&log).unwrap();
+    assert_eq!(setup.inner, common::config(4000));
+    for (index, item) in common::mission().iter().enumerate() {
+        let read = setup.missions.item(0, index as u16).unwrap();
+        // NaN with its bits, so not by PartialEq.
+        assert_eq!(read.params.map(f32::to_bits), item.params.map(f32::to_bits));
+        assert_eq!((read.command, read.x, read.z), (item.command, item.x, item.z));
+    }
+    assert_eq!(setup.missions.item(0, common::mission().len() as u16), None);
+}
