@@ -40,7 +40,7 @@ pub enum InfoValue<'a> {
 }
 
 impl InfoValue<'_> {
-    /// Writes the body of an info message.
+    /// Writes the body of an info message; fails when the name is longer than some 80 bytes.
     pub fn put(&self, name: &str, out: &mut Encoder<'_>) {
         let kind = match self {
             Self::Text(_) => "char",
@@ -65,7 +65,10 @@ impl InfoValue<'_> {
         }
         typed.bytes([b' ']);
         typed.slice(name.as_bytes());
-        let length = typed.finish().unwrap_or(0);
+        let Some(length) = typed.finish() else {
+            out.fail();
+            return;
+        };
         out.bytes([length as u8]);
         out.slice(key.get(..length).unwrap_or_default());
         match self {

@@ -93,6 +93,11 @@ impl<'a> Encoder<'a> {
         self.bytes([b'0' + (number % 10) as u8]);
     }
 
+    /// Gives up: what is written here cannot be written.
+    pub fn fail(&mut self) {
+        self.full = true;
+    }
+
     /// How many bytes were written; `None` when not all of them fitted.
     pub fn finish(self) -> Option<usize> {
         (!self.full).then_some(self.length)

@@ -137,3 +137,14 @@ fn whatever_storage_does_nothing_false_is_logged() {
         assert!(read.gaps.is_empty() || dropped > 0, "a gap and nothing dropped");
     }
 }
+
+/// A rate whose periods are longer than any that is logged: no input is lost without a word.
+#[test]
+fn a_rate_too_high_is_a_gap_from_the_start() {
+    let mut flown = Flown::new(Vec::new());
+    let mut bench = Bench::<8192>::new(Plot::calm(8000, 0));
+    for tick in 0..320 {
+        bench.tick(tick, &mut flown);
+    }
+    assert!(bench.logger.dropped_inputs() > 0);
+}

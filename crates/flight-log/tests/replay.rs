@@ -5,8 +5,9 @@ mod common;
 use common::{Flown, Plot, fly};
 use windhover_autopilot::mission::MissionSource;
 use windhover_autopilot::{Inner, Outer, OuterInputs, Queues};
-use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step};
-use windhover_flight_log::{period_hash, result_hash};
+use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step, difference};
+use windhover_flight_log::views::VehicleAttitude;
+use windhover_flight_log::{LoggerConfig, View, period_hash, result_hash};
 
 fn periods(log: &Log<'_>) -> Vec<Period> {
     let mut steps = log.periods();
@@ -75,7 +76,9 @@ fn the_core_repeats_the_flight() {
         assert_eq!(setup.home, common::HOME);
         let mut outer = Outer::new(setup.parameters, setup.home).unwrap();
         let mut inner = Inner::new(setup.inner, outer.inner_parameters());
+        let thrust_max = LoggerConfig::new(setup.inner, &setup.parameters).thrust_max;
         let (mut queues, mut result, mut ready) = (Queues::default(), None, None);
+        let mut compared = 0;
         for period in periods(&log) {
             if period.record.adopted {
                 ready = result.take();
@@ -89,7 +92,15 @@ fn the_core_repeats_the_flight() {
                 let output = inner.tick(input, &mut ready, &mut queues);
                 motors.push(output.motors);
                 if let Some(snapshot) = output.snapshot {
-                    result = Some(outer.step(&snapshot, &setup.missions));
+                    let step = outer.step(&snapshot, &setup.missions);
+                    for (time, view) in &period.views {
+                        if let Some(again) = view.again(&snapshot, &step, thrust_max) {
+                            assert_eq!(*time, snapshot.time);
+                            assert_eq!(difference(view, &again), None);
+                            compared += 1;
+                        }
+                    }
+                    result = Some(step);
                 }
             }
             let hash = period_hash(adopted, &motors);
@@ -100,6 +111,7 @@ fn the_core_repeats_the_flight() {
                 period.record
             );
         }
+        assert!(compared > 100, "{compared} views compared");
     }
 }
 
@@ -124,4 +136,16 @@ fn the_header_says_it_all() {
         assert_eq!((read.command, read.x, read.z), (item.command, item.x, item.z));
     }
     assert_eq!(setup.missions.item(0, common::mission().len() as u16), None);
+}
+
+#[test]
+fn a_difference_names_topic_field_and_both_values() {
+    let mut attitude = VehicleAttitude::default();
+    let before = View::VehicleAttitude(attitude);
+    attitude.q.y = -0.25;
+    let found = difference(&before, &View::VehicleAttitude(attitude)).unwrap();
+    assert_eq!(found.to_string(), "vehicle_attitude.q[2] is -0.25, was 0");
+    // Minus zero is another value than zero.
+    attitude.q.y = -0.0;
+    assert!(difference(&before, &View::VehicleAttitude(attitude)).is_some());
 }

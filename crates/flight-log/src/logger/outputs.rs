@@ -40,12 +40,7 @@ impl<const N: usize> Logger<N> {
     }
 
     fn fast_views(&mut self, time: u64, result: &OuterResult) {
-        self.view(
-            time,
-            &VehicleAttitude {
-                q: result.report.estimate.attitude,
-            },
-        );
+        self.view(time, &VehicleAttitude::new(result));
         self.view(
             time,
             &VehicleAttitudeSetpoint::new(result, self.config.thrust_max),
@@ -67,8 +62,7 @@ impl<const N: usize> Logger<N> {
             };
             self.view(time, &sample);
         }
-        let acceleration = result.report.disturbance;
-        self.view(time, &Disturbance { acceleration });
+        self.view(time, &Disturbance::new(result));
     }
 
     fn last_imu(&self) -> Option<Imu> {
@@ -83,12 +77,7 @@ impl<const N: usize> Logger<N> {
             self.phase = Some(phase);
             self.view(time, &phase.0);
             self.view(time, &VehicleStatus::new(snapshot, result));
-            self.view(
-                time,
-                &VehicleLandDetected {
-                    landed: result.landed,
-                },
-            );
+            self.view(time, &VehicleLandDetected::new(result));
         }
         if due {
             let counts = self.counts;

@@ -5,8 +5,8 @@ use windhover_autopilot::{Blocker, MotorState, OuterResult, Phase, Refused, Snap
 use windhover_math::Vector3;
 
 use super::{
-    FlightPhase, Mission, Refusal, VehicleAttitudeSetpoint, VehicleLocalPosition,
-    VehicleLocalPositionSetpoint, VehicleStatus,
+    Disturbance, FlightPhase, Leg, Mission, Refusal, VehicleAttitude, VehicleAttitudeSetpoint,
+    VehicleLandDetected, VehicleLocalPosition, VehicleLocalPositionSetpoint, VehicleStatus, View,
 };
 use crate::inputs::FlatCommand;
 
@@ -47,6 +47,60 @@ pub const fn refusal_code(refusal: windhover_parameters::Refusal) -> u8 {
         windhover_parameters::Refusal::Unknown => 1,
         windhover_parameters::Refusal::OutOfRange { .. } => 2,
         windhover_parameters::Refusal::Inconsistent => 3,
+    }
+}
+
+impl View {
+    /// The same view of another outer step: for replay, to hold it against the logged one whose
+    /// time is the snapshot's. `None` for views that are not of an outer step alone, and for what
+    /// this step has not.
+    pub fn again(&self, snapshot: &Snapshot, result: &OuterResult, thrust_max: f32) -> Option<Self> {
+        let report = &result.report;
+        Some(match self {
+            Self::VehicleAttitude(_) => Self::VehicleAttitude(VehicleAttitude::new(result)),
+            Self::VehicleAttitudeSetpoint(_) => {
+                Self::VehicleAttitudeSetpoint(VehicleAttitudeSetpoint::new(result, thrust_max))
+            }
+            Self::VehicleLocalPosition(_) => Self::VehicleLocalPosition(VehicleLocalPosition::new(result)),
+            Self::VehicleLocalPositionSetpoint(_) => {
+                Self::VehicleLocalPositionSetpoint(VehicleLocalPositionSetpoint::new(result)?)
+            }
+            Self::VehicleStatus(_) => Self::VehicleStatus(VehicleStatus::new(snapshot, result)),
+            Self::VehicleLandDetected(_) => Self::VehicleLandDetected(VehicleLandDetected::new(result)),
+            Self::FlightPhase(_) => Self::FlightPhase(FlightPhase::new(snapshot, result)),
+            Self::Leg(_) => Self::Leg(Leg {
+                destination: report.leg_end?,
+            }),
+            Self::Disturbance(_) => Self::Disturbance(Disturbance::new(result)),
+            _ => return None,
+        })
+    }
+}
+
+impl VehicleAttitude {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        Self {
+            q: result.report.estimate.attitude,
+        }
+    }
+}
+
+impl VehicleLandDetected {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        Self {
+            landed: result.landed,
+        }
+    }
+}
+
+impl Disturbance {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        Self {
+            acceleration: result.report.disturbance,
+        }
     }
 }
 
