@@ -4,7 +4,7 @@ mod common;
 
 use common::{Flown, Plot, fly};
 use windhover_autopilot::mission::MissionSource;
-use windhover_autopilot::{Inner, Outer, OuterInputs, Queues};
+use windhover_autopilot::{Inner, Mailboxes, Outer, OuterInputs};
 use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step, difference};
 use windhover_flight_log::views::VehicleAttitude;
 use windhover_flight_log::{LoggerConfig, View, period_hash, result_hash};
@@ -77,21 +77,21 @@ fn the_core_repeats_the_flight() {
         let mut outer = Outer::new(setup.parameters, setup.home).unwrap();
         let mut inner = Inner::new(setup.inner, outer.inner_parameters());
         let thrust_max = LoggerConfig::new(setup.inner, &setup.parameters).thrust_max;
-        let (mut queues, mut result, mut ready) = (Queues::default(), None, None);
+        let (mut mailboxes, mut result) = (Mailboxes::default(), None);
         let mut compared = 0;
         for period in periods(&log) {
             if period.record.adopted {
-                ready = result.take();
+                mailboxes.result = result.take();
             }
             if let Some(inputs) = &period.inputs {
-                queues.refill(inputs);
+                mailboxes.queues.refill(inputs);
             }
-            let adopted = ready.as_ref().map(result_hash);
+            let adopted = mailboxes.result.as_ref().map(result_hash);
             let mut motors = Vec::new();
             for input in &period.ticks {
-                let output = inner.tick(input, &mut ready, &mut queues);
+                let output = inner.tick(input, &mut mailboxes);
                 motors.push(output.motors);
-                if let Some(snapshot) = output.snapshot {
+                if let Some(snapshot) = mailboxes.snapshot.take() {
                     let step = outer.step(&snapshot, &setup.missions);
                     for (time, view) in &period.views {
                         if let Some(again) = view.again(&snapshot, &step, thrust_max) {

@@ -1,6 +1,6 @@
 //! What a logger is made with.
 
-use windhover_autopilot::sensing::CalibrationParameters;
+use windhover_autopilot::sensing::SensingBorder;
 use windhover_autopilot::{InnerConfig, Parameters};
 
 use crate::batch::MAX_K;
@@ -10,8 +10,8 @@ use crate::batch::MAX_K;
 pub struct LoggerConfig {
     /// What the inner step is made with.
     pub inner: InnerConfig,
-    /// Calibration, for the view `sensor_combined`.
-    pub calibration: CalibrationParameters,
+    /// From counts to SI units, for the view `sensor_combined`.
+    pub sensing: SensingBorder,
     /// Thrust of all rotors at full command, N, for the view `vehicle_attitude_setpoint`.
     pub thrust_max: f32,
     /// Views are written every so many outer steps; 0 for none.
@@ -23,7 +23,7 @@ impl LoggerConfig {
     pub fn new(inner: InnerConfig, parameters: &Parameters) -> Self {
         Self {
             inner,
-            calibration: parameters.calibration,
+            sensing: SensingBorder::new(&inner.rotation, &parameters.calibration),
             thrust_max: 4.0 * parameters.vehicle.rotor_thrust_max(),
             view_divider: 15,
         }

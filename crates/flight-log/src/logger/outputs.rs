@@ -1,6 +1,5 @@
 //! What the logger makes of an outer result: its hash, and views of it.
 
-use windhover_autopilot::sensing::convert;
 use windhover_autopilot::{Imu, OuterResult, Snapshot};
 
 use super::{Logger, SLOW};
@@ -55,7 +54,7 @@ impl<const N: usize> Logger<N> {
             self.view(time, &ActuatorMotors { control });
         }
         if let Some(Imu::Sample { counts, .. }) = self.last_imu() {
-            let inertial = convert(&counts, &self.config.inner.rotation, &self.config.calibration);
+            let inertial = self.config.sensing.convert(&counts);
             let sample = SensorCombined {
                 gyro_rad: inertial.rate,
                 accelerometer_m_s2: inertial.specific_force,

@@ -5,8 +5,8 @@
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, MissionCommit, MotorCommand,
-    Outer, OuterInputs, OuterResult, ParameterWrite, Parameters, Queues, ScheduleRecord, Urgent,
+    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MissionCommit,
+    MotorCommand, Outer, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_flight_log::views::Truth;
@@ -167,8 +167,7 @@ pub struct Bench<const N: usize> {
     pub random: Random,
     pub inner: Inner,
     pub outer: Outer,
-    pub queues: Queues,
-    pub ready: Option<OuterResult>,
+    pub mailboxes: Mailboxes,
     late: Option<(OuterResult, usize)>,
     pub logger: Logger<N>,
     pub mission: Vec<MissionItem>,
@@ -180,19 +179,19 @@ impl<const N: usize> Bench<N> {
     pub fn new(plot: Plot) -> Self {
         let outer = Outer::new(parameters(), HOME).unwrap();
         let mission = mission();
-        let mut queues = Queues::default();
+        let mut mailboxes = Mailboxes::default();
         let crc = mission_crc(mission.iter().copied());
         let count = mission.len() as u16;
-        queues
+        mailboxes
+            .queues
             .command
             .push(Command::CommitMission(MissionCommit { slot: 0, count, crc }));
-        queues.command.push(Command::Arm);
+        mailboxes.queues.command.push(Command::Arm);
         Self {
             random: Random::new(plot.seed),
             inner: Inner::new(config(plot.imu_rate), outer.inner_parameters()),
             outer,
-            queues,
-            ready: None,
+            mailboxes,
             late: None,
             logger: Logger::new(LoggerConfig::new(config(plot.imu_rate), &parameters())),
             mission,
@@ -242,22 +241,26 @@ impl<const N: usize> Bench<N> {
         let rate = self.plot.imu_rate as usize;
         let r = &mut self.random;
         if tick.is_multiple_of(rate / 50) {
-            self.queues.external.push(ExternalEstimate {
+            self.mailboxes.queues.external.push(ExternalEstimate {
                 position: Vector3::new(r.signed(), r.signed(), r.signed()) * 0.01,
                 velocity: Vector3::new(r.signed(), r.signed(), r.signed()) * 0.01,
                 attitude: Quaternion::IDENTITY,
             });
         }
         if tick == rate / 2 {
-            self.queues.command.push(Command::StartMission);
+            self.mailboxes.queues.command.push(Command::StartMission);
         }
         if self.plot.disrupted && r.below(rate / 4) == 0 {
             let index = r.below(Parameters::COUNT + 2) as u16;
             let value = r.signed() * 10.0;
-            self.queues.parameter.push(ParameterWrite { index, value });
+            self.mailboxes
+                .queues
+                .parameter
+                .push(ParameterWrite { index, value });
             let at = TrajectorySetpoint::at_rest(Vector3::new(value, 0.0, -1.0), 0.0);
-            self.queues.setpoint.push(at);
-            self.queues
+            self.mailboxes.queues.setpoint.push(at);
+            self.mailboxes
+                .queues
                 .command
                 .push([Command::Arm, Command::StartOffboard, Command::Disarm][r.below(3)]);
         }
@@ -268,7 +271,7 @@ impl<const N: usize> Bench<N> {
         if late {
             self.late = Some((result, self.random.below(3)));
         } else {
-            self.ready = Some(result);
+            self.mailboxes.result = Some(result);
         }
     }
 
@@ -278,7 +281,7 @@ impl<const N: usize> Bench<N> {
         }
         if let Some((result, boundaries)) = self.late.take() {
             if boundaries == 0 {
-                self.ready = Some(result);
+                self.mailboxes.result = Some(result);
             } else {
                 self.late = Some((result, boundaries - 1));
             }
@@ -289,12 +292,12 @@ impl<const N: usize> Bench<N> {
     pub fn tick(&mut self, tick: usize, flown: &mut Flown) {
         let input = self.input(tick);
         self.release();
-        let output = self.inner.tick(&input, &mut self.ready, &mut self.queues);
+        let output = self.inner.tick(&input, &mut self.mailboxes);
         self.logger.tick(&input, output.motors, output.record);
         flown.inputs.push(input);
         flown.motors.push(output.motors);
         flown.records.extend(output.record);
-        if let Some(snapshot) = output.snapshot {
+        if let Some(snapshot) = self.mailboxes.snapshot.take() {
             let result = self.outer.step(&snapshot, self.mission.as_slice());
             self.logger.inputs(&snapshot.inputs, snapshot.tick);
             self.logger.result(&snapshot, &result);
