@@ -78,13 +78,16 @@ pub fn direction_and_length(from: Vector3, to: Vector3) -> (Vector3, f32) {
     }
 }
 
-/// The share of the acceleration that each of two legs may use where they meet: the sum of both
-/// keeps the limit then.
-fn corner_share(direction: Vector3, joint: &Joint) -> f32 {
-    match joint {
-        Joint::Stop => 1.0,
-        Joint::Pass { direction: other, .. } => 1.0 / max(1.0, scalar::norm(other - direction)),
-    }
+/// The share of its acceleration that each of two legs may use where they meet: the sum of both
+/// keeps the horizontal and the vertical limit then, whatever each of them uses of its share.
+fn corner_share(direction: Vector3, joint: &Joint, limits: &Limits) -> f32 {
+    let Joint::Pass { direction: other, .. } = joint else {
+        return 1.0;
+    };
+    let sum = *other * limits.along(*other).1 - direction * limits.along(direction).1;
+    let horizontal = windhover_math::sqrt(sum.x * sum.x + sum.y * sum.y) / limits.acceleration;
+    let vertical = sum.z.abs() / limits.vertical_acceleration;
+    1.0 / max(1.0, max(horizontal, vertical))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,8 +184,8 @@ impl Path {
             length,
             &ProfileLimits {
                 speed,
-                acceleration: acceleration * corner_share(direction, &before),
-                deceleration: acceleration * corner_share(direction, &after),
+                acceleration: acceleration * corner_share(direction, &before, limits),
+                deceleration: acceleration * corner_share(direction, &after, limits),
                 jerk: limits.jerk,
             },
         );

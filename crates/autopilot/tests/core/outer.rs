@@ -1,0 +1,299 @@
+//! The outer step alone: commands, parameter writes, and the estimate between two words from
+//! outside.
+
+use windhover_autopilot::{
+    Blocker, Command, ExternalEstimate, Increments, MissionCommit, MotorState, Outer, OuterInputs,
+    OuterResult, ParameterWrite, Parameters, Phase, Refused, Snapshot, Stop, Urgent,
+};
+use windhover_control::TrajectorySetpoint;
+use windhover_math::{GRAVITY, Quaternion, Vector3, scalar};
+use windhover_parameters::Refusal;
+
+use super::{HOME, waypoint};
+
+const MISSION: fn() -> [windhover_autopilot::mission::MissionItem; 2] =
+    || [waypoint(10.0, 0.0, 10.0), waypoint(0.0, 0.0, 10.0)];
+
+/// An outer step that is told what it sees.
+struct Desk {
+    outer: Outer,
+    tick: u32,
+    stopped: Option<Stop>,
+    /// What comes in at the next step.
+    inputs: OuterInputs,
+    /// Whether the inputs bring an estimate each step, and where.
+    estimate: Option<Vector3>,
+    /// Specific force in body axes, m/s².
+    force: Vector3,
+}
+
+impl Desk {
+    fn new() -> Self {
+        Self {
+            outer: Outer::new(Parameters::default(), HOME).expect("the default vehicle"),
+            tick: 0,
+            stopped: None,
+            inputs: OuterInputs::default(),
+            estimate: Some(Vector3::zeros()),
+            force: Vector3::new(0.0, 0.0, -GRAVITY),
+        }
+    }
+
+    fn step(&mut self) -> OuterResult {
+        let mut inputs = core::mem::take(&mut self.inputs);
+        if let Some(position) = self.estimate {
+            let _ = inputs.external.push(at(position));
+        }
+        let snapshot = Snapshot {
+            tick: self.tick,
+            time: u64::from(self.tick) * 1000,
+            increments: Increments {
+                velocity: self.force * 0.004,
+                duration: 0.004,
+                ticks: 4,
+                ..Default::default()
+            },
+            stopped: self.stopped,
+            inputs,
+        };
+        self.tick += 4;
+        self.outer.step(&snapshot, MISSION().as_slice())
+    }
+
+    fn command(&mut self, command: Command) -> OuterResult {
+        self.inputs.command.push(command).unwrap();
+        self.step()
+    }
+
+    fn write(&mut self, name: &str, value: f32) -> OuterResult {
+        let index = Parameters::find(name).unwrap() as u16;
+        self.inputs
+            .parameter
+            .push(ParameterWrite { index, value })
+            .unwrap();
+        self.step()
+    }
+
+    /// In offboard flight, at a setpoint that stays.
+    fn flying() -> Self {
+        let mut desk = Self::new();
+        desk.step();
+        desk.command(Command::Arm);
+        let setpoint = TrajectorySetpoint::at_rest(Vector3::new(0.2, 0.1, -5.0), 0.0);
+        desk.inputs.setpoint.push(setpoint).unwrap();
+        let result = desk.command(Command::StartOffboard);
+        assert_eq!(result.report.phase, Phase::Offboard);
+        desk.estimate = Some(Vector3::new(0.0, 0.0, -5.0));
+        for _ in 0..20 {
+            desk.step();
+        }
+        desk
+    }
+}
+
+fn at(position: Vector3) -> ExternalEstimate {
+    ExternalEstimate {
+        position,
+        velocity: Vector3::zeros(),
+        attitude: Quaternion::IDENTITY,
+    }
+}
+
+fn commit(count: u16) -> Command {
+    Command::CommitMission(MissionCommit {
+        slot: 0,
+        count,
+        crc: 0,
+    })
+}
+
+/// The whole way from nothing to a mission, and the motors with it.
+#[test]
+fn phases_and_motors_go_together() {
+    let mut desk = Desk::new();
+    let phase = |result: OuterResult| (result.report.phase, result.motors);
+    assert_eq!(phase(desk.step()), (Phase::Disarmed, MotorState::Disarmed));
+    assert_eq!(
+        phase(desk.command(Command::Arm)),
+        (Phase::Armed, MotorState::Idle)
+    );
+    assert_eq!(phase(desk.command(commit(2))), (Phase::Armed, MotorState::Idle));
+    desk.command(Command::StartMission);
+    assert_eq!(phase(desk.step()), (Phase::Mission, MotorState::Run));
+    // Arming again changes nothing.
+    assert_eq!(
+        phase(desk.command(Command::Arm)),
+        (Phase::Mission, MotorState::Run)
+    );
+    // Still on the ground: disarming is allowed.
+    assert_eq!(
+        phase(desk.command(Command::Disarm)),
+        (Phase::Disarmed, MotorState::Disarmed)
+    );
+    let result = desk.command(Command::StartMission);
+    assert_eq!(
+        result.report.refusals[..],
+        [Refused::Command(Command::StartMission, Blocker::NotArmed)]
+    );
+}
+
+/// A mission that is not flown takes the place of none.
+#[test]
+fn a_commit_that_is_refused_leaves_no_mission() {
+    let mut desk = Desk::new();
+    desk.step();
+    desk.command(Command::Arm);
+    assert!(desk.command(commit(2)).report.refusals.is_empty());
+    let torn = commit(3);
+    let refused = desk.command(torn).report.refusals;
+    assert_eq!(refused[..], [Refused::Command(torn, Blocker::NoMission)]);
+    let result = desk.command(Command::StartMission);
+    assert_eq!(
+        result.report.refusals[..],
+        [Refused::Command(Command::StartMission, Blocker::NoMission)]
+    );
+    assert_eq!(result.motors, MotorState::Idle);
+}
+
+/// What the inner step stopped, the outer step disarms, in the very step that sees it.
+#[test]
+fn a_stop_disarms() {
+    for stop in [
+        Stop::Commanded(Urgent::Kill),
+        Stop::Commanded(Urgent::Disarm),
+        Stop::ImuMissing,
+    ] {
+        let mut desk = Desk::flying();
+        desk.stopped = Some(stop);
+        let result = desk.command(Command::Arm);
+        assert_eq!(
+            (result.report.phase, result.motors),
+            (Phase::Disarmed, MotorState::Disarmed)
+        );
+        assert_eq!(
+            result.report.refusals[..],
+            [Refused::Command(Command::Arm, Blocker::Stopped)]
+        );
+        desk.stopped = None;
+        assert_eq!(desk.step().motors, MotorState::Disarmed, "{stop:?}");
+    }
+}
+
+/// The estimate is taken from outside when there is word; carried on by the increments when there
+/// is none; and forgotten after half a second.
+#[test]
+fn the_estimate_is_carried_on_and_then_given_up() {
+    let mut desk = Desk::flying();
+    desk.estimate = None;
+    // 1 m/s² north beyond gravity.
+    desk.force = Vector3::new(1.0, 0.0, -GRAVITY);
+    let mut result = desk.step();
+    for _ in 0..99 {
+        result = desk.step();
+    }
+    let estimate = result.report.estimate;
+    assert!((estimate.velocity.x - 0.4).abs() < 1e-3, "{estimate:?}");
+    assert!((estimate.position.x - 0.08).abs() < 1e-3, "{estimate:?}");
+    assert!((estimate.position.z + 5.0).abs() < 1e-3, "{estimate:?}");
+    assert_eq!(estimate.age, Some(400_000));
+    let tilt = |result: &OuterResult| {
+        let down = result.setpoint.attitude.down_axis();
+        windhover_math::sqrt(down.x * down.x + down.y * down.y)
+    };
+    assert!(tilt(&result) > 0.01, "it still steers");
+    for _ in 0..30 {
+        result = desk.step();
+    }
+    assert!(tilt(&result) < 1e-6, "level");
+    let weight = desk.outer.parameters().vehicle.mass * GRAVITY;
+    assert!(result.setpoint.thrust < weight && result.setpoint.thrust > 0.8 * weight);
+    desk.estimate = Some(Vector3::new(0.0, 0.0, -5.0));
+    assert!(tilt(&desk.step()) > 0.01, "and steers again");
+}
+
+/// Gains that are written in flight act, but do not make demand jump.
+#[test]
+fn parameter_writes_do_not_jump() {
+    for (name, value) in [
+        ("POS_N_P", 5.0),
+        ("POS_E_P", 4.0),
+        ("POS_D_P", 10.0),
+        ("POS_N_D", 3.0),
+    ] {
+        let mut with = Desk::flying();
+        let mut without = Desk::flying();
+        let (a, b) = (with.write(name, value), without.step());
+        assert!(a.report.refusals.is_empty());
+        let turn = a.setpoint.attitude.conjugate() * b.setpoint.attitude;
+        let jump = scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
+        assert!(jump < 1e-3, "{name}: {jump} rad");
+        assert!(
+            (a.setpoint.thrust - b.setpoint.thrust).abs() < 1e-2,
+            "{name}: {} N after {} N",
+            a.setpoint.thrust,
+            b.setpoint.thrust
+        );
+        let index = Parameters::find(name).unwrap();
+        assert_eq!(with.outer.parameters().get(index), Some(value));
+    }
+}
+
+/// Inner parameters travel once, with the result of the step that took the write.
+#[test]
+fn inner_parameters_travel_with_one_result() {
+    let mut desk = Desk::flying();
+    assert!(desk.step().parameters.is_none());
+    assert!(
+        desk.write("POS_N_P", 5.0).parameters.is_none(),
+        "nothing of the inner step's"
+    );
+    let travelling = desk.write("ATT_TILT_P", 5.0).parameters;
+    assert_eq!(travelling, Some(desk.outer.inner_parameters()));
+    assert!(desk.step().parameters.is_none());
+    // The same value again is no change.
+    assert!(desk.write("ATT_TILT_P", 5.0).parameters.is_none());
+}
+
+/// A value in its range that makes the whole inconsistent is refused, and the table stays.
+#[test]
+fn an_inconsistent_vehicle_is_refused() {
+    let mut desk = Desk::flying();
+    let before = *desk.outer.parameters();
+    // The front rotor behind the centre of mass, like the rear one.
+    let result = desk.write("CA_ROTOR0_PX", -0.23);
+    let [Refused::Parameter(write, refusal)] = result.report.refusals[..] else {
+        panic!("{:?}", result.report.refusals);
+    };
+    assert_eq!((write.value, refusal), (-0.23, Refusal::Inconsistent));
+    assert!(result.parameters.is_none());
+    assert_eq!(*desk.outer.parameters(), before);
+}
+
+/// Several writes in one step are taken in order; the wrong one among them falls out alone.
+#[test]
+fn one_wrong_write_does_not_spoil_the_others() {
+    let mut desk = Desk::flying();
+    for (name, value) in [("POS_N_P", 5.0), ("POS_N_P", f32::NAN), ("POS_E_P", 6.0)] {
+        let index = Parameters::find(name).unwrap() as u16;
+        desk.inputs
+            .parameter
+            .push(ParameterWrite { index, value })
+            .unwrap();
+    }
+    let result = desk.step();
+    assert_eq!(result.report.refusals.len(), 1);
+    let position = desk.outer.parameters().position;
+    assert_eq!((position.north_p, position.east_p), (5.0, 6.0));
+}
+
+/// The newest good estimate of a step counts, wherever bad ones stand.
+#[test]
+fn the_newest_good_estimate_counts() {
+    let mut desk = Desk::new();
+    desk.estimate = None;
+    let bad = at(Vector3::new(f32::NAN, 0.0, 0.0));
+    for estimate in [at(Vector3::x()), bad, at(Vector3::x() * 2.0), bad] {
+        desk.inputs.external.push(estimate).unwrap();
+    }
+    assert_eq!(desk.step().report.estimate.position, Vector3::x() * 2.0);
+}
