@@ -101,10 +101,10 @@ fn told(imu_rate: u32) -> Vec<Told> {
     (0..imu_rate as usize)
         .map(|tick| {
             let input = bench.input(tick);
-            let output = bench.inner.tick(&input, &mut bench.ready, &mut bench.queues);
-            let outer = output.snapshot.map(|snapshot| {
+            let output = bench.inner.tick(&input, &mut bench.mailboxes);
+            let outer = bench.mailboxes.snapshot.take().map(|snapshot| {
                 let result = bench.outer.step(&snapshot, bench.mission.as_slice());
-                bench.ready = Some(result.clone());
+                bench.mailboxes.result = Some(result.clone());
                 Box::new((snapshot, result))
             });
             (input, output.motors, output.record, outer)

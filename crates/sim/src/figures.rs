@@ -83,6 +83,8 @@ pub struct Figures {
     pub energy_j: f64,
     /// Simulated time over wall time.
     pub speed_factor: f64,
+    /// What a board would log, bytes per second.
+    pub log_bytes_per_s: f64,
     /// Hash of every motor command.
     pub motor_hash: String,
     /// What everything random followed from.

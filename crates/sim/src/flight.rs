@@ -6,19 +6,19 @@ use windhover_autopilot::{
     Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterResult, ParameterWrite,
     Parameters, Preset, Refused, ScheduleRecord, Snapshot,
 };
+use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
-use windhover_math::{Real, Vector3};
 use windhover_model::{Conditions, Integrator, ModelKind, Truth, Vehicle, World};
 
 use crate::closed_loop::{ClosedLoop, Disruption, Recorder};
 use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_polyline};
 use crate::mission_file::MissionFile;
-use crate::report::{Event, Ned, PhotoMark, Sample};
+use crate::report::Event;
 
 /// A flight that has not come to its end by then is ended, s.
 const TIME_LIMIT: f64 = 4.0 * 3600.0;
 
-/// Seconds between two samples of the report.
+/// Seconds between two positions that count for the cross-track error.
 const SAMPLE_PERIOD: f64 = 0.02;
 
 /// What is flown, by what, where.
@@ -121,17 +121,13 @@ pub enum SetupError {
 /// A flight that has been flown.
 #[derive(Clone, Debug)]
 pub struct Flight {
-    /// Its figures; the speed factor is left to whoever holds the clock.
+    /// Its figures; speed factor and log rate are left to whoever holds clock and log.
     pub figures: Figures,
     /// Simulated time, s.
     pub simulated: f64,
-    /// Corners of the path wanted, NED, m.
-    pub path: Vec<Ned>,
-    /// The flight at 50 Hz.
-    pub samples: Vec<Sample>,
-    /// Photos, as the report shows them.
-    pub photos: Vec<PhotoMark>,
-    /// What happened.
+    /// True positions at 50 Hz, NED, m.
+    pub positions: Vec<Vector3<f64>>,
+    /// What happened that the core does not tell of.
     pub events: Vec<Event>,
 }
 
@@ -220,7 +216,7 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
     let commit = MissionCommit {
         slot: 0,
         count: mission.items.len() as u16,
-        crc: 0,
+        crc: windhover_flight_log::mission_crc(mission.items.iter().copied()),
     };
     for command in [
         Command::CommitMission(commit),
@@ -260,10 +256,9 @@ struct Watch {
     errors: ErrorSum,
     reached: usize,
     photos: Vec<Photo>,
-    marks: Vec<PhotoMark>,
     events: Vec<Event>,
     path: Vec<Vector3<f64>>,
-    samples: Vec<Sample>,
+    positions: Vec<Vector3<f64>>,
     next_sample: f64,
     cos_tilt_min: f64,
     ticks: u64,
@@ -300,7 +295,7 @@ impl Recorder for Watch {
         }
         if truth.time >= self.next_sample {
             self.next_sample = truth.time + SAMPLE_PERIOD - 1e-6;
-            self.samples.push(sample(truth, wanted, result));
+            self.positions.push(truth.position);
         }
     }
 }
@@ -317,10 +312,9 @@ impl Watch {
             errors: ErrorSum::default(),
             reached: 0,
             photos: Vec::new(),
-            marks: Vec::new(),
             events: Vec::new(),
             path: Vec::new(),
-            samples: Vec::new(),
+            positions: Vec::new(),
             next_sample: 0.0,
             cos_tilt_min: 1.0,
             ticks: 0,
@@ -359,13 +353,12 @@ impl Watch {
                 self.reached += 1;
                 self.item = usize::from(item) + 1;
             }
-            MissionEvent::Missed(item) => self.note(truth, format!("item {} was not reached", item + 1)),
+            MissionEvent::Missed(_) | MissionEvent::Landed => {}
             MissionEvent::Photo {
                 item,
                 target,
                 settled,
             } => self.photo(usize::from(item) + 1, target, settled, truth, wanted),
-            MissionEvent::Landed => self.note(truth, "landed".into()),
             MissionEvent::Finished => {
                 self.finished = true;
                 self.item = self.items;
@@ -398,13 +391,6 @@ impl Watch {
             speed_m_s: Axes::from(truth.velocity).length(),
             tilt_deg: libm::acos(truth.attitude.cos_tilt().clamp(-1.0, 1.0)).to_degrees(),
         };
-        self.marks.push(PhotoMark {
-            time: photo.time_s as f32,
-            position: ned(truth.position),
-            position_error: photo.position_error_m as f32,
-            speed: photo.speed_m_s as f32,
-            tilt: photo.tilt_deg as f32,
-        });
         self.photos.push(photo);
         self.item = item;
     }
@@ -434,52 +420,28 @@ impl Watch {
             photos: self.photos,
             rmse_m: self.errors.rms(),
             max_error_m: self.errors.largest(),
-            cross_track_rmse_m: cross_track(&self.samples, &self.path),
+            cross_track_rmse_m: cross_track(&self.positions, &self.path),
             tilt_max_deg: libm::acos(self.cos_tilt_min.clamp(-1.0, 1.0)).to_degrees(),
             saturated_fraction: self.saturated as f64 / self.ticks.max(1) as f64,
             energy_j: truth.energy,
             speed_factor: 0.0,
+            log_bytes_per_s: 0.0,
             motor_hash: self.hash.to_string(),
             seed: setup.conditions.seed,
         };
         Flight {
             figures,
             simulated: truth.time,
-            path: self.path.into_iter().map(ned).collect(),
-            samples: self.samples,
-            photos: self.marks,
+            positions: self.positions,
             events: self.events,
         }
     }
 }
 
-fn cross_track(samples: &[Sample], path: &[Vector3<f64>]) -> f64 {
-    let distance = |sample: &Sample| {
-        let [north, east, down] = sample.position.map(f64::from);
-        distance_to_polyline(Vector3::new(north, east, down), path)
-    };
-    let sum: f64 = samples.iter().map(distance).map(|d| d * d).sum();
-    (sum / samples.len().max(1) as f64).sqrt()
-}
-
-fn ned(v: Vector3<f64>) -> Ned {
-    [v.x as f32, v.y as f32, v.z as f32]
-}
-
-fn degrees<T: Real + Into<f64>>(attitude: windhover_math::Quaternion<T>) -> [f32; 3] {
-    let euler = attitude.to_euler();
-    [euler.roll, euler.pitch, euler.yaw].map(|angle| angle.into().to_degrees() as f32)
-}
-
-fn sample(truth: &Truth, wanted: Vector3<f64>, result: &OuterResult) -> Sample {
-    Sample {
-        time: truth.time as f32,
-        position: ned(truth.position),
-        position_setpoint: ned(wanted),
-        velocity: ned(truth.velocity),
-        attitude: degrees(truth.attitude),
-        attitude_setpoint: degrees(result.setpoint.attitude),
-        rotor_speed: truth.rotor_speed.map(|speed| speed as f32),
-        wind: ned(truth.wind),
-    }
+fn cross_track(positions: &[Vector3<f64>], path: &[Vector3<f64>]) -> f64 {
+    let squares = positions
+        .iter()
+        .map(|position| distance_to_polyline(*position, path))
+        .map(|d| d * d);
+    (squares.sum::<f64>() / positions.len().max(1) as f64).sqrt()
 }

@@ -4,12 +4,17 @@
 //! - [`closed_loop`]: the core and the world, tick by tick.
 //! - [`recording`]: what the core consumed and commanded, and its replay.
 //! - [`flight`]: a whole mission with its figures; [`lemniscate`]: a figure of eight.
-//! - [`report`]: a flight as a page to look at.
+//! - [`flight_log`]: what a flight leaves behind; [`replay`]: the core again on a log's inputs,
+//!   equal bit for bit.
+//! - [`flight_report`]: a log as a [`report`], a page to look at.
 
 pub mod closed_loop;
 pub mod figures;
 pub mod flight;
+pub mod flight_log;
+pub mod flight_report;
 pub mod lemniscate;
 pub mod mission_file;
 pub mod recording;
+pub mod replay;
 pub mod report;

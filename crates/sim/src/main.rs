@@ -1,5 +1,6 @@
 //! The program `windhover`: flies missions on the desktop.
 
+mod again;
 mod options;
 mod output;
 
@@ -9,12 +10,18 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use windhover_sim::flight::{self, Flight};
+use windhover_sim::flight_log::FlightLog;
 
 use options::{Fly, Invocation};
 
 fn main() -> ExitCode {
-    let fly = match options::parse() {
-        Invocation::Fly(fly) => fly,
+    let outcome = match options::parse() {
+        Invocation::Fly(fly) => run(&fly),
+        Invocation::Replay(replay) => again::replay(&replay),
+        Invocation::Report(report) => output::report(&report.log, report.out.as_deref()).map(|to| {
+            println!("report: {}", to.display());
+            true
+        }),
         Invocation::Say { text, code } => {
             if code == 0 {
                 print!("{text}");
@@ -24,8 +31,8 @@ fn main() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    match run(&fly) {
-        Ok(completed) => ExitCode::from(u8::from(!completed)),
+    match outcome {
+        Ok(good) => ExitCode::from(u8::from(!good)),
         Err(message) => {
             eprintln!("error: {message}");
             ExitCode::from(2)
@@ -36,22 +43,31 @@ fn main() -> ExitCode {
 /// Flies one mission; whether it was completed. The error is one line for the user.
 fn run(fly: &Fly) -> Result<bool, String> {
     let request = fly.request()?;
-    flight::closed_loop(&request.setup, &request.mission).map_err(|e| request.explain(&e))?;
+    let (setup, mission) = (&request.setup, &request.mission);
+    let loaded = flight::closed_loop(setup, mission).map_err(|e| request.explain(&e))?;
+    let mut log = FlightLog::new(
+        setup,
+        loaded.outer().parameters(),
+        flight::home(mission),
+        &mission.items,
+        &output::conditions(&request),
+    );
     let quiet = fly.json || !std::io::stderr().is_terminal();
     let bar = progress_bar(quiet);
     let start = Instant::now();
-    let flown = flight::fly(&request.setup, &request.mission, &mut (), &mut |share| {
+    let flown = flight::fly(setup, mission, &mut log, &mut |share| {
         bar.set_position((share * 1000.0) as u64);
     });
     let wall = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let mut flown: Flight = flown.map_err(|e| request.explain(&e))?;
     flown.figures.speed_factor = flown.simulated / windhover_math::max(wall, 1e-9);
-    let report = output::write(fly, &request, &flown)?;
+    flown.figures.log_bytes_per_s = log.rate(flown.simulated);
+    let files = output::write(fly, &request, &flown, log)?;
     if fly.json {
         println!("{}", output::json(&flown.figures));
     } else {
-        print!("{}", output::text(&request, &flown, &report));
+        print!("{}", output::text(&request, &flown, &files));
     }
     Ok(flown.figures.completed)
 }

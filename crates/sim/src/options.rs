@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use windhover_autopilot::Preset;
+use windhover_autopilot::{Parameters, Preset};
 use windhover_math::Vector3;
 use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, Vehicle, mean_wind_from};
 use windhover_sim::flight::{Setup, SetupError};
@@ -28,8 +28,12 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Sub {
-    /// Fly a mission in a simulated world, print its figures and write a report.
+    /// Fly a mission in a simulated world, print its figures, write its log and a report.
     Fly(Fly),
+    /// Run the core on a log's inputs again and compare every output bit for bit.
+    Replay(Replay),
+    /// Make the report of a flight from its log.
+    Report(ReportArgs),
 }
 
 /// Options of `windhover fly`.
@@ -78,12 +82,59 @@ pub struct Fly {
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     seed: u64,
-    /// Folder for report.html and figures.json [default: flights/NAME_OF_THE_MISSION]
+    /// Folder for flight.ulg, report.html and figures.json [default: flights/NAME_OF_THE_MISSION]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the figures as one JSON object, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `windhover replay`.
+#[derive(Clone, Debug, Args)]
+pub struct Replay {
+    /// The log
+    #[arg(value_name = "FLIGHT.ulg")]
+    pub log: PathBuf,
+    /// Replay with another value of a parameter instead, and tell how the motor commands would
+    /// have differed while the vehicle moved as it did (open loop); may be repeated
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub with: Vec<Setting>,
+}
+
+/// Options of `windhover report`.
+#[derive(Clone, Debug, Args)]
+pub struct ReportArgs {
+    /// The log
+    #[arg(value_name = "FLIGHT.ulg")]
+    pub log: PathBuf,
+    /// Where the page goes [default: beside the log, with the ending .html]
+    #[arg(long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+}
+
+/// A parameter and its value.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// Index in the table.
+    pub index: usize,
+    /// The value, inside the range.
+    pub value: f32,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or("NAME=VALUE is wanted")?;
+        let index = Parameters::find(name).ok_or_else(|| format!("there is no parameter {name}"))?;
+        let value: f32 = value.parse().map_err(|_| format!("{value} is not a number"))?;
+        let declaration = Parameters::declaration(index).ok_or("no such parameter")?;
+        declaration
+            .check(value)
+            .map_err(|refusal| format!("{name}: {refusal}"))?;
+        Ok(Self { index, value })
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -127,6 +178,10 @@ impl<const N: usize> FromStr for Numbers<N> {
 pub enum Invocation {
     /// A flight.
     Fly(Fly),
+    /// A log, again.
+    Replay(Replay),
+    /// A log, as a page.
+    Report(ReportArgs),
     /// Help, version, or what is wrong.
     Say {
         /// The text.
@@ -139,13 +194,12 @@ pub enum Invocation {
 /// Reads the command line.
 pub fn parse() -> Invocation {
     match Cli::try_parse() {
-        Ok(
-            Cli {
-                command: Some(Sub::Fly(fly)),
-                ..
-            }
-            | Cli { command: None, fly },
-        ) => Invocation::Fly(fly),
+        Ok(cli) => match cli.command {
+            None => Invocation::Fly(cli.fly),
+            Some(Sub::Fly(fly)) => Invocation::Fly(fly),
+            Some(Sub::Replay(replay)) => Invocation::Replay(replay),
+            Some(Sub::Report(report)) => Invocation::Report(report),
+        },
         Err(error) if !error.use_stderr() => Invocation::Say {
             text: error.to_string(),
             code: 0,

@@ -1,25 +1,94 @@
 //! What a flight leaves behind: figures to read, and files.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use windhover_flight_log::reader::Log;
 use windhover_sim::figures::{Axes, Figures};
 use windhover_sim::flight::Flight;
-use windhover_sim::report::{self, Figure, Report};
+use windhover_sim::flight_log::FlightLog;
+use windhover_sim::flight_report;
+use windhover_sim::report::{self, Figure};
 
 use crate::options::{Fly, Request};
 
-/// Writes report.html and figures.json; where the report is.
-pub fn write(fly: &Fly, request: &Request, flight: &Flight) -> Result<PathBuf, String> {
+/// What a flight left on disk.
+pub struct Files {
+    /// The log.
+    pub log: PathBuf,
+    /// The report, made from the log.
+    pub report: PathBuf,
+}
+
+/// Writes flight.ulg, report.html and figures.json.
+pub fn write(fly: &Fly, request: &Request, flight: &Flight, log: FlightLog) -> Result<Files, String> {
     let folder = fly.folder(&request.mission_name);
-    let page = folder.join("report.html");
-    let write = |path: &PathBuf, text: String| {
-        std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
-    };
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    write(&page, report::html(&report(request, flight)))?;
-    write(&folder.join("figures.json"), json(&flight.figures) + "\n")?;
-    Ok(page)
+    let files = Files {
+        log: folder.join("flight.ulg"),
+        report: folder.join("report.html"),
+    };
+    let mut rows = rows(&flight.figures);
+    rows.push(row("ended", flight.figures.ended.clone(), ""));
+    let bytes = log.finish(&rows, &flight.events);
+    save(&files.log, &bytes)?;
+    let name = request.mission_name.file_stem().unwrap_or("mission".as_ref());
+    save(
+        &files.report,
+        page(&bytes, &name.to_string_lossy(), &files.log)?.as_bytes(),
+    )?;
+    save(
+        &folder.join("figures.json"),
+        (json(&flight.figures) + "\n").as_bytes(),
+    )?;
+    Ok(files)
+}
+
+/// Writes the report of a log beside it, or where `out` says; where that is.
+pub fn report(log: &Path, out: Option<&Path>) -> Result<PathBuf, String> {
+    let bytes = read(log)?;
+    let title = log.file_stem().unwrap_or("flight".as_ref()).to_string_lossy();
+    let to = out.map_or_else(|| log.with_extension("html"), Path::to_path_buf);
+    save(&to, page(&bytes, &title, log)?.as_bytes())?;
+    Ok(to)
+}
+
+/// A file, whole.
+pub fn read(path: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn save(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    std::fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn page(bytes: &[u8], title: &str, name: &Path) -> Result<String, String> {
+    let log = Log::open(bytes).map_err(|e| format!("{}: {e}", name.display()))?;
+    Ok(report::html(&flight_report::report(&log, title)))
+}
+
+/// The conditions of a flight, for people.
+pub fn conditions(request: &Request) -> Vec<(String, String)> {
+    let setup = &request.setup;
+    let wind = &setup.conditions.wind;
+    let mut conditions = vec![
+        ("Mission", request.mission_name.display().to_string()),
+        ("Vehicle", setup.vehicle.name.clone()),
+        ("Preset", request.preset.clone()),
+        ("Model", request.model.clone()),
+        (
+            "Wind towards",
+            format!("{:.2} m/s north, {:.2} m/s east", wind.x, wind.y),
+        ),
+        ("Gusts", format!("{} m/s", setup.conditions.gust)),
+        ("Payload", format!("{} kg", setup.conditions.payload.mass())),
+        ("Seed", setup.conditions.seed.to_string()),
+    ];
+    conditions.extend(request.mission.notes.iter().map(|note| ("Note", note.clone())));
+    conditions
+        .into_iter()
+        .map(|(name, value)| (name.to_string(), value))
+        .collect()
 }
 
 /// The figures as one JSON object.
@@ -29,7 +98,7 @@ pub fn json(figures: &Figures) -> String {
 }
 
 /// The figures as a table.
-pub fn text(request: &Request, flight: &Flight, report: &std::path::Path) -> String {
+pub fn text(request: &Request, flight: &Flight, files: &Files) -> String {
     let mut text = String::new();
     for note in &request.mission.notes {
         let _ = writeln!(text, "note: {note}");
@@ -43,7 +112,8 @@ pub fn text(request: &Request, flight: &Flight, report: &std::path::Path) -> Str
     for Figure { label, value, unit } in rows {
         let _ = writeln!(text, "{label:width$}  {value} {unit}");
     }
-    let _ = writeln!(text, "report: {}", report.display());
+    let _ = writeln!(text, "log: {}", files.log.display());
+    let _ = writeln!(text, "report: {}", files.report.display());
     text
 }
 
@@ -106,52 +176,13 @@ fn rows(f: &Figures) -> Vec<Figure> {
         ),
         row("energy", format!("{:.0}", f.energy_j), "J"),
         row("speed", format!("{:.0}", f.speed_factor), "× real time"),
+        row(
+            "log",
+            format!("{:.1}", f.log_bytes_per_s / 1000.0),
+            "kB/s on a board",
+        ),
         row("motor hash", f.motor_hash.clone(), ""),
         row("seed", f.seed.to_string(), ""),
     ]);
     rows
-}
-
-fn report(request: &Request, flight: &Flight) -> Report {
-    let setup = &request.setup;
-    let name = request.mission_name.file_stem().unwrap_or("mission".as_ref());
-    let wind = &setup.conditions.wind;
-    let mut conditions = vec![
-        ("Mission".to_string(), request.mission_name.display().to_string()),
-        ("Vehicle".to_string(), setup.vehicle.name.clone()),
-        ("Preset".to_string(), request.preset.clone()),
-        ("Model".to_string(), request.model.clone()),
-        (
-            "Wind towards".to_string(),
-            format!("{:.2} m/s north, {:.2} m/s east", wind.x, wind.y),
-        ),
-        ("Gusts".to_string(), format!("{} m/s", setup.conditions.gust)),
-        (
-            "Payload".to_string(),
-            format!("{} kg", setup.conditions.payload.mass()),
-        ),
-    ];
-    conditions.extend(
-        request
-            .mission
-            .notes
-            .iter()
-            .map(|note| ("Note".to_string(), note.clone())),
-    );
-    Report {
-        title: name.to_string_lossy().into_owned(),
-        subtitle: flight.figures.ended.clone(),
-        conditions,
-        figures: rows(&flight.figures)
-            .into_iter()
-            .map(|row| Figure {
-                label: row.label.trim().into(),
-                ..row
-            })
-            .collect(),
-        path: flight.path.clone(),
-        samples: flight.samples.clone(),
-        photos: flight.photos.clone(),
-        events: flight.events.clone(),
-    }
 }
