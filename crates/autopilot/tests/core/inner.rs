@@ -10,17 +10,17 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{GRAVITY, Quaternion, Vector3, scalar};
 
 /// An inner step on a stool: level, with samples as they are told.
-struct Stool {
-    inner: Inner,
-    mailboxes: Mailboxes,
+pub struct Stool {
+    pub inner: Inner,
+    pub mailboxes: Mailboxes,
     time: u64,
     period: u64,
-    gyro: [i16; 3],
+    pub gyro: [i16; 3],
     silent: bool,
 }
 
 impl Stool {
-    fn new(imu_rate: u32) -> Self {
+    pub fn new(imu_rate: u32) -> Self {
         let parameters = InnerParameters::new(&Parameters::default()).expect("the default vehicle");
         let config = InnerConfig {
             imu_rate,
@@ -36,7 +36,7 @@ impl Stool {
         }
     }
 
-    fn tick(&mut self, urgent: Option<Urgent>) -> MotorCommand {
+    pub fn tick(&mut self, urgent: Option<Urgent>) -> MotorCommand {
         let counts = ImuCounts {
             accel: [0, 0, -(GRAVITY / ACCEL_SCALE) as i16],
             gyro: self.gyro,
@@ -53,7 +53,7 @@ impl Stool {
     }
 
     /// Ticks to just before a boundary; the last command.
-    fn run_to_boundary(&mut self) -> MotorCommand {
+    pub fn run_to_boundary(&mut self) -> MotorCommand {
         let mut last = self.tick(None);
         while !self.inner.schedule().at_boundary() {
             last = self.tick(None);
@@ -62,7 +62,7 @@ impl Stool {
     }
 
     /// Answers the waiting snapshot with what the outer step might say.
-    fn answer(&mut self, motors: MotorState) {
+    pub fn answer(&mut self, motors: MotorState) {
         let snapshot = self.mailboxes.snapshot.take().expect("a snapshot waits");
         self.mailboxes.result = Some(result(snapshot.tick, motors));
     }
@@ -108,7 +108,7 @@ fn is_running(command: MotorCommand) -> bool {
 }
 
 /// Flies: the motors run by the outer step's word.
-fn flying(imu_rate: u32) -> Stool {
+pub fn flying(imu_rate: u32) -> Stool {
     let mut stool = Stool::new(imu_rate);
     stool.run_to_boundary();
     stool.answer(MotorState::Run);

@@ -3,6 +3,7 @@
 mod action;
 mod check;
 mod inner;
+mod inner_motion;
 mod outer;
 mod walk;
 mod walk_random;
