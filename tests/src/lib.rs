@@ -1,11 +1,13 @@
 //! Whole flights: what their tests share.
 //!
 //! - [`plan`]: missions written in metres from home; [`trace`]: what a flight did, step by step.
+//! - [`random`]: flights with everything drawn at random.
 //! - [`bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
 pub mod bench;
 pub mod plan;
+pub mod random;
 pub mod trace;
 
 use std::path::Path;
@@ -13,6 +15,7 @@ use std::path::Path;
 use windhover_autopilot::{ParameterWrite, Parameters, Preset};
 use windhover_model::{Conditions, ModelKind, Vehicle};
 use windhover_sim::flight::{self, Flight, Setup};
+use windhover_sim::flight_log::FlightLog;
 use windhover_sim::mission_file::{self, MissionFile};
 use windhover_sim::recording::Recording;
 
@@ -72,6 +75,17 @@ pub fn mission(path: &str) -> MissionFile {
 /// The reference mission.
 pub fn monitoring() -> MissionFile {
     mission("missions/monitoring.plan")
+}
+
+/// Flies and logs: the flight, and its log as the program writes it.
+pub fn logged(setup: &Setup, mission: &MissionFile) -> (Flight, Vec<u8>) {
+    let loaded = flight::closed_loop(setup, mission).expect("a flight that starts");
+    let (parameters, home) = (*loaded.outer().parameters(), flight::home(mission));
+    let mut log = FlightLog::new(setup, &parameters, home, &mission.items, &[]);
+    let mut flown = flight::fly(setup, mission, &mut log, &mut |_| {}).expect("a flight that starts");
+    flown.figures.log_bytes_per_s = log.rate(flown.simulated);
+    let bytes = log.finish(&[], &flown.events);
+    (flown, bytes)
 }
 
 /// Flies and records, and replays the record: the same motor commands, whatever the flight was.

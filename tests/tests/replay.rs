@@ -3,68 +3,16 @@
 
 use rayon::prelude::*;
 use windhover_autopilot::{
-    Imu, InnerInput, MotorCommand, OuterResult, Parameters, Preset, ScheduleRecord, Snapshot, Urgent,
+    Imu, InnerInput, MotorCommand, OuterResult, Preset, ScheduleRecord, Snapshot, Urgent,
 };
 use windhover_math::Vector3;
-use windhover_model::random::Random;
 use windhover_model::{ModelKind, Truth};
-use windhover_sim::closed_loop::{Disruption, Recorder};
+use windhover_sim::closed_loop::Recorder;
 use windhover_sim::flight::{self, Setup};
 use windhover_sim::recording::{Difference, Recording};
 use windhover_tests::plan::short;
-use windhover_tests::{recorded, seeded, setup, write};
-
-/// A setup with everything drawn at random: vehicle, preset, rate, late results, missing samples,
-/// writes to the parameter table that are taken or refused.
-fn random_setup(seed: u64) -> Setup {
-    let mut random = Random::new(seed, 4711);
-    let mut coin = |share: f64| random.uniform() < share;
-    let vehicle = if coin(0.5) { "os4" } else { "x450" };
-    let preset = if coin(0.5) {
-        Preset::Paper
-    } else {
-        Preset::Windhover
-    };
-    let imu_rate = if coin(0.5) { 1000 } else { 4000 };
-    let mut number = |most: f64| random.uniform() * most;
-    let (late, missing) = (number(0.4), number(0.02));
-    let disruption = Disruption::new(
-        seed,
-        late,
-        2 + number(8.0) as u32,
-        missing,
-        1 + number(8.0) as u32,
-    );
-    let mut writes: Vec<_> = [
-        "POS_N_P",
-        "POS_D_I",
-        "POS_FF",
-        "OBS_TC",
-        "ATT_TILT_P",
-        "MASS",
-        "CAL_GYRO0_XOFF",
-    ]
-    .into_iter()
-    .map(|name| {
-        let table = Parameters::default();
-        let value = table.get(Parameters::find(name).unwrap_or(0)).unwrap_or(0.0);
-        (
-            2.0 + number(25.0),
-            write(name, (value + 0.001) * (0.8 + number(0.19)) as f32),
-        )
-    })
-    .collect();
-    writes.push((number(20.0), write("POS_E_P", f32::NAN)));
-    writes.push((number(20.0), write("POS_E_P", 1e9)));
-    writes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let base = Setup {
-        imu_rate,
-        disruption: Some(disruption),
-        writes,
-        ..setup(vehicle, preset, ModelKind::Rigid)
-    };
-    seeded(&base, seed)
-}
+use windhover_tests::random::random_setup;
+use windhover_tests::{recorded, setup, write};
 
 /// `recorded` replays. The flights must have been disturbed, or this would show nothing.
 #[test]

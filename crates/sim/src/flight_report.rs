@@ -26,6 +26,18 @@ struct Moment {
     events: Vec<Mission>,
 }
 
+impl Moment {
+    /// What is still the latest word at the next moment; the truth is of its moment only.
+    fn carry_on(&mut self, next: &Self) {
+        self.believed = next.believed.or(self.believed);
+        self.attitude = next.attitude.or(self.attitude);
+        self.attitude_setpoint = next.attitude_setpoint.or(self.attitude_setpoint);
+        self.setpoint = next.setpoint.or(self.setpoint);
+        self.rotors = next.rotors.or(self.rotors);
+        self.truth = next.truth;
+    }
+}
+
 /// Everything that the report shows. `title` names the flight, as its file does.
 pub fn report(log: &Log<'_>, title: &str) -> Report {
     let mut moments: BTreeMap<u64, Moment> = BTreeMap::new();
@@ -89,10 +101,10 @@ fn fill(report: &mut Report, log: &Log<'_>, moments: &BTreeMap<u64, Moment>) {
         .find(|(name, _)| *name == "ROTOR_SPEED_MAX");
     let speed_max = speed_max.map_or(f32::NAN, |(_, value)| *value);
     let mut ended = "the log ends in flight".to_string();
-    let mut setpoint = None;
+    let mut last = Moment::default();
     for (&time, moment) in moments {
-        setpoint = moment.setpoint.or(setpoint);
-        let Some(sample) = sample(time, moment, setpoint, speed_max) else {
+        last.carry_on(moment);
+        let Some(sample) = sample(time, &last, speed_max) else {
             continue;
         };
         if moment.setpoint.is_some() {
@@ -148,12 +160,12 @@ fn photo(event: &Mission, sample: &Sample) -> PhotoMark {
 }
 
 /// A sample with the truth where the log has it, else with what the vehicle believed.
-fn sample(time: u64, moment: &Moment, setpoint: Option<Vector3>, speed_max: f32) -> Option<Sample> {
+fn sample(time: u64, moment: &Moment, speed_max: f32) -> Option<Sample> {
     let gap = [f32::NAN; 3];
     let mut sample = Sample {
         time: seconds(time),
         position: gap,
-        position_setpoint: setpoint.map_or(gap, ned),
+        position_setpoint: moment.setpoint.map_or(gap, ned),
         velocity: gap,
         attitude: moment.attitude.map_or(gap, degrees),
         attitude_setpoint: moment.attitude_setpoint.map_or(gap, degrees),

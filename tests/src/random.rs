@@ -1,0 +1,89 @@
+//! Flights with everything drawn at random from a seed.
+
+use windhover_autopilot::{Parameters, Preset};
+use windhover_model::random::Random;
+use windhover_model::{ModelKind, mean_wind_from};
+use windhover_sim::closed_loop::Disruption;
+use windhover_sim::flight::Setup;
+use windhover_sim::mission_file::MissionFile;
+
+use crate::plan::Plan;
+use crate::{seeded, setup, write};
+
+/// A setup with everything drawn at random: vehicle, preset, rate, late results, missing samples,
+/// writes to the parameter table that are taken or refused.
+pub fn random_setup(seed: u64) -> Setup {
+    let mut random = Random::new(seed, 4711);
+    let mut coin = |share: f64| random.uniform() < share;
+    let vehicle = if coin(0.5) { "os4" } else { "x450" };
+    let preset = if coin(0.5) {
+        Preset::Paper
+    } else {
+        Preset::Windhover
+    };
+    let imu_rate = if coin(0.5) { 1000 } else { 4000 };
+    let mut number = |most: f64| random.uniform() * most;
+    let (late, missing) = (number(0.4), number(0.02));
+    let disruption = Disruption::new(
+        seed,
+        late,
+        2 + number(8.0) as u32,
+        missing,
+        1 + number(8.0) as u32,
+    );
+    let mut writes: Vec<_> = [
+        "POS_N_P",
+        "POS_D_I",
+        "POS_FF",
+        "OBS_TC",
+        "ATT_TILT_P",
+        "MASS",
+        "CAL_GYRO0_XOFF",
+    ]
+    .into_iter()
+    .map(|name| {
+        let table = Parameters::default();
+        let value = table.get(Parameters::find(name).unwrap_or(0)).unwrap_or(0.0);
+        (
+            2.0 + number(25.0),
+            write(name, (value + 0.001) * (0.8 + number(0.19)) as f32),
+        )
+    })
+    .collect();
+    writes.push((number(20.0), write("POS_E_P", f32::NAN)));
+    writes.push((number(20.0), write("POS_E_P", 1e9)));
+    writes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let base = Setup {
+        imu_rate,
+        disruption: Some(disruption),
+        writes,
+        ..setup(vehicle, preset, ModelKind::Rigid)
+    };
+    seeded(&base, seed)
+}
+
+/// The same, in wind and gusts from anywhere as well.
+pub fn random_conditions(seed: u64) -> Setup {
+    let mut random = Random::new(seed, 815);
+    let mut setup = random_setup(seed);
+    setup.conditions.wind = mean_wind_from(random.uniform() * 6.0, random.uniform() * 360.0);
+    setup.conditions.gust = random.uniform() * 1.5;
+    setup
+}
+
+/// A mission of a few points within 20 m, some of them stops, some with photos.
+pub fn random_mission(seed: u64) -> MissionFile {
+    let mut random = Random::new(seed, 2718);
+    let mut number = |least: f64, most: f64| least + random.uniform() * (most - least);
+    let mut plan = Plan::new().takeoff(number(3.0, 8.0) as f32);
+    for _ in 0..number(1.0, 5.0) as usize {
+        let (north, east, height) = (number(-20.0, 20.0), number(-20.0, 20.0), number(3.0, 10.0));
+        let (north, east, height) = (north as f32, east as f32, height as f32);
+        let stops = number(0.0, 1.0) < 0.5;
+        plan = plan.waypoint(if stops { 1.0 } else { 0.0 }, 1.0, north, east, height);
+        if number(0.0, 1.0) < 0.4 {
+            plan = plan.photo();
+        }
+    }
+    if number(0.0, 1.0) < 0.5 { plan.land() } else { plan }.file()
+}
