@@ -235,8 +235,12 @@ impl MissionExecutor {
             State::Fly if !leg_finished => State::Fly,
             State::Fly if self.path.is_finished() => State::Arrive(0.0),
             State::Fly => self.pass(around, events),
-            State::Arrive(since) if self.reached => State::Hold(since),
+            State::Arrive(since) if self.reached => {
+                self.give_up_passing(events);
+                State::Hold(since)
+            }
             State::Arrive(since) if since >= around.parameters.arrival_wait => {
+                self.give_up_passing(events);
                 self.give_up(events);
                 State::Hold(since)
             }
