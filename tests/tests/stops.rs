@@ -235,6 +235,17 @@ fn a_landed_vehicle_stops_its_motors() {
             .iter()
             .position(|step| step.events.contains(&MissionEvent::Landed))
             .unwrap();
+        // Before that the mixer already knows that the ground is there.
+        let held = &bench.steps[off - 75..off];
+        assert!(
+            held.iter()
+                .all(|step| step.landed && step.phase == Phase::Mission)
+        );
+        let level = |step: &windhover_tests::trace::Step| step.attitude_setpoint.attitude.cos_tilt();
+        assert!(
+            held.iter().all(|step| level(step) > 0.999),
+            "and no tilt is demanded"
+        );
         let seconds = (off - touchdown) as f64 * 0.004;
         assert!(seconds < 2.0, "{preset:?}: off {seconds} s after touchdown");
     }

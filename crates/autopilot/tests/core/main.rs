@@ -4,6 +4,7 @@ mod action;
 mod check;
 mod inner;
 mod inner_motion;
+mod lag;
 mod outer;
 mod walk;
 mod walk_random;

@@ -27,6 +27,10 @@ struct Desk {
     force: Vector3,
     /// What the mixer added to the thrust, N.
     shortfall: f32,
+    /// What the rotors gave, N.
+    thrust: f32,
+    /// Attitude from outside.
+    attitude: Quaternion,
 }
 
 impl Desk {
@@ -39,13 +43,18 @@ impl Desk {
             estimate: Some(Vector3::zeros()),
             force: Vector3::new(0.0, 0.0, -GRAVITY),
             shortfall: 0.0,
+            thrust: 0.0,
+            attitude: Quaternion::IDENTITY,
         }
     }
 
     fn step(&mut self) -> OuterResult {
         let mut inputs = core::mem::take(&mut self.inputs);
         if let Some(position) = self.estimate {
-            let _ = inputs.external.push(at(position));
+            let _ = inputs.external.push(ExternalEstimate {
+                attitude: self.attitude,
+                ..at(position)
+            });
         }
         let snapshot = Snapshot {
             tick: self.tick,
@@ -53,6 +62,7 @@ impl Desk {
             increments: Increments {
                 velocity: self.force * 0.004,
                 thrust_shortfall: self.shortfall * 0.004,
+                thrust: self.thrust * 0.004,
                 duration: 0.004,
                 ticks: 4,
                 ..Default::default()
@@ -240,6 +250,28 @@ fn parameter_writes_do_not_jump() {
         let index = Parameters::find(name).unwrap();
         assert_eq!(with.outer.parameters().get(index), Some(value));
     }
+}
+
+/// A vehicle that turns while its rotors pull is not taken for one that is disturbed: thrust
+/// points halfway between the two attitudes.
+#[test]
+fn turning_is_no_disturbance() {
+    let mut desk = Desk::flying();
+    let specific = 9.0;
+    desk.thrust = specific * desk.outer.parameters().vehicle.mass;
+    desk.force = Vector3::new(0.0, 0.0, -specific);
+    for _ in 0..1000 {
+        desk.step();
+    }
+    let rolled = Quaternion::from_rotation_vector(Vector3::new(0.2, 0.0, 0.0));
+    let halfway = (Quaternion::IDENTITY.down_axis() + rolled.down_axis()) * 0.5;
+    desk.force = halfway * -specific;
+    desk.attitude = rolled;
+    let disturbance = desk.step().report.disturbance;
+    assert!(scalar::norm(disturbance) < 1e-3, "{disturbance}");
+    // The next step brings a push that thrust does not explain.
+    desk.force = Vector3::new(1.0, 0.0, -specific);
+    assert!(desk.step().report.disturbance.x > 0.01);
 }
 
 /// Thrust that the mixer could not give does not wind the height's integral up; on the ground,

@@ -233,3 +233,32 @@ fn a_mission_without_a_point_does_not_start() {
         assert!(MissionExecutor::start(stored, &around, 0.0).is_none(), "{count}");
     }
 }
+
+/// Off the ground with the takeoff's speed, in the air with the climb's, down with the descent's,
+/// and to the ground with the landing's; and the ground has to hold for half a second.
+#[test]
+fn each_vertical_leg_has_its_speed() {
+    let parameters = MissionParameters::default();
+    let items = [
+        item(command::NAV_TAKEOFF, [0.0; 4]),
+        item_at(16, [0.5, 0.0, 0.0, f32::NAN], 0.0, 0.0, 25.0),
+        item_at(16, [0.5, 0.0, 0.0, f32::NAN], 0.0, 0.0, 12.0),
+        item(command::NAV_LAND, [0.0; 4]),
+    ];
+    let walked = walk(&items, &parameters);
+    let fastest = |from: f32, to: f32, up: f32| {
+        let part = walked
+            .setpoints
+            .iter()
+            .filter(|s| (from..to).contains(&-s.position.z) && s.velocity.z * up <= 0.0);
+        part.map(|s| s.velocity.z.abs()).fold(0.0f32, windhover_math::max)
+    };
+    let close = |a: f32, b: f32| (a - b).abs() < 0.01;
+    assert!(close(fastest(1.0, 9.0, 1.0), parameters.takeoff_speed));
+    assert!(close(fastest(13.0, 24.0, 1.0), parameters.climb_speed));
+    assert!(close(fastest(13.0, 24.0, -1.0), parameters.descend_speed));
+    assert!(close(fastest(1.0, 11.0, -1.0), parameters.land_speed));
+    let deep = walked.setpoints.iter().filter(|s| s.position.z > 0.5).count();
+    let seconds = deep as f32 * STEP as f32 * 1e-6;
+    assert!((0.49..0.6).contains(&seconds), "{seconds} s");
+}
