@@ -170,3 +170,30 @@ fn a_rest_forgets_the_integrals() {
     }
     assert!(unevenness(still) < 0.002, "{still:?}");
 }
+
+/// Level and down after 100 ms of silence, and again after the next 100 ms: a recovery in between
+/// forgets nothing.
+#[test]
+fn every_silence_levels() {
+    let tilted = |result: &mut windhover_autopilot::OuterResult| {
+        let roll = windhover_math::Quaternion::from_small_rotation(Vector3::new(0.3, 0.0, 0.0));
+        result.setpoint.attitude = roll;
+    };
+    let mut stool = flying(1000);
+    for silence in 0..3 {
+        let mut last = MotorCommand::Disarmed;
+        for _ in 0..5 {
+            last = period(&mut stool, &tilted);
+        }
+        assert!(unevenness(last) > 0.05, "it tilts before silence {silence}");
+        for _ in 0..90 {
+            last = stool.tick(None);
+        }
+        assert!(unevenness(last) > 0.05, "and keeps on at first");
+        for _ in 0..40 {
+            last = stool.tick(None);
+        }
+        // What is left is the integral of the rate, not the tilt.
+        assert!(unevenness(last) < 0.05, "silence {silence}: {last:?}");
+    }
+}
