@@ -8,12 +8,13 @@ use crate::toolchain::BOARD;
 use crate::{firmware, fuzz, hash, nalgebra, no_panic, python, toolchain};
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 5] = [
+const CORE: [&str; 6] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
     "windhover-estimator",
     "windhover-autopilot",
+    "windhover-flight-log",
 ];
 
 /// What exists on the board only; its desktop `main` only says so.
@@ -51,7 +52,7 @@ const STEPS: &[Step] = &[
     step("build-board", "the core builds for the board", build_board),
     step(
         "no-panic",
-        "no panic can be reached from the inner and outer step",
+        "no panic can be reached from the steps and their log",
         no_panic::links,
     ),
     step(
