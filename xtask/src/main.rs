@@ -3,9 +3,12 @@
 mod arguments;
 mod elf;
 mod firmware;
+mod fuzz;
+mod hash;
 mod nalgebra;
 mod no_panic;
 mod process;
+mod python;
 mod steps;
 mod toolchain;
 

@@ -65,8 +65,8 @@ pub fn target_directory() -> Result<PathBuf, String> {
         .ok_or_else(|| "cargo metadata names no target_directory".into())
 }
 
-/// The value of a key whose value is a string. Enough for a path in cargo's metadata.
-fn json_string(json: &str, key: &str) -> Option<String> {
+/// The value of a key whose value is a string, in JSON without blanks.
+pub fn json_string(json: &str, key: &str) -> Option<String> {
     let start = json.find(&format!("\"{key}\":\""))? + key.len() + 4;
     let mut value = String::new();
     let mut characters = json[start..].chars();

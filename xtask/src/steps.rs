@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use crate::process::{Outcome, cargo, run};
 use crate::toolchain::BOARD;
-use crate::{firmware, nalgebra, no_panic, toolchain};
+use crate::{firmware, fuzz, hash, nalgebra, no_panic, python, toolchain};
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 5] = [
+const CORE: [&str; 6] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
     "windhover-estimator",
     "windhover-autopilot",
+    "windhover-flight-log",
 ];
 
 /// What exists on the board only; its desktop `main` only says so.
@@ -36,11 +37,22 @@ const STEPS: &[Step] = &[
     step("clippy-board", "no warning on the board", clippy_board),
     step("test", "unit tests and flights, dev profile", tests),
     step("flights", "whole flights, release profile", flights),
+    step("hash", "every build flies the same bits", hash::is_equal),
+    step(
+        "pyulog",
+        "an independent reader reads every log",
+        python::reads_logs,
+    ),
+    step(
+        "fuzz",
+        "the log's reader stands half a minute of fuzzing",
+        fuzz::targets,
+    ),
     step("doc", "the documentation builds without a warning", doc),
     step("build-board", "the core builds for the board", build_board),
     step(
         "no-panic",
-        "no panic can be reached from the inner and outer step",
+        "no panic can be reached from the steps and their log",
         no_panic::links,
     ),
     step(

@@ -32,7 +32,7 @@ pub fn replay(asked: &Replay) -> Result<bool, String> {
         println!("inputs missing from tick {tick}: replay ends there");
     }
     if let Some(cut) = &outcome.cut {
-        println!("the log is cut: {cut}");
+        println!("{cut}: replay ends there");
     }
     Ok(true)
 }

@@ -61,7 +61,7 @@ impl FlightLog {
         }];
         let header = Header {
             time: 0,
-            commit: option_env!("WINDHOVER_COMMIT").unwrap_or("unknown"),
+            commit: env!("WINDHOVER_COMMIT"),
             release: release(),
             board: "desktop",
             inner: setup.inner_config(),

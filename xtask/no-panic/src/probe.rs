@@ -11,11 +11,12 @@ use windhover_autopilot::{
     Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, Outer, Parameters,
     Queues,
 };
+use windhover_flight_log::{Logger, LoggerConfig};
 use windhover_math::{Quaternion, Vector3};
 
-use crate::steps::{Storage, inner_step, outer_step};
+use crate::steps::{LOG, Storage, inner_step, log_outer, log_tick, outer_step};
 
-/// The entry: both steps for ever, on inputs that the optimiser knows nothing about.
+/// The entry: all steps for ever, on inputs that the optimiser knows nothing about.
 #[unsafe(no_mangle)]
 extern "C" fn reset() -> ! {
     let home = black_box(windhover_math::geodesy::GlobalPosition::default());
@@ -27,15 +28,21 @@ extern "C" fn reset() -> ! {
     if let Some(mut outer) = Outer::new(black_box(Parameters::default()), home) {
         let mut inner = Inner::new(config, outer.inner_parameters());
         let mut mailboxes = Mailboxes::default();
+        let mut logger = Logger::<LOG>::new(LoggerConfig::new(config, outer.parameters()));
+        let mut out = [0; 64];
         loop {
             feed(&mut mailboxes.queues);
-            black_box(inner_step(
-                black_box(&mut inner),
-                &input(),
-                black_box(&mut mailboxes),
-            ));
+            let input = input();
+            let output = inner_step(black_box(&mut inner), &input, black_box(&mut mailboxes));
+            log_tick(black_box(&mut logger), &input, black_box(&output));
             if let Some(snapshot) = mailboxes.snapshot.take() {
                 let result = outer_step(black_box(&mut outer), &snapshot, &Storage(black_box(&items)));
+                black_box(log_outer(
+                    black_box(&mut logger),
+                    &snapshot,
+                    &result,
+                    black_box(&mut out),
+                ));
                 mailboxes.result = black_box(Some(result));
             }
         }

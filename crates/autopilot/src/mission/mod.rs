@@ -10,12 +10,14 @@ pub mod check;
 pub mod executor;
 pub mod item;
 pub mod nav;
+pub mod parameters;
 pub mod route;
 
 pub use action::{Action, Reason, Refusal};
 pub use check::check;
-pub use executor::{MissionEvent, MissionEvents, MissionExecutor, MissionParameters};
+pub use executor::{MissionEvent, MissionEvents, MissionExecutor};
 pub use item::{MAX_ITEMS, MissionItem};
+pub use parameters::MissionParameters;
 
 /// Where missions are stored: two slots, one of them valid, the other one for the next upload.
 pub trait MissionSource {

@@ -1,0 +1,49 @@
+//! Coverage-guided fuzzing of what reads bytes from outside (fuzz/README.md), for a short time.
+
+use std::process::Command;
+
+use crate::process::{Outcome, cargo, root, run, target_directory};
+use crate::python::install_debian;
+
+/// What makes a stable compiler count edges and comparisons.
+const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+    -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+    -Cllvm-args=-sanitizer-coverage-trace-compares";
+
+const HOST: &str = "x86_64-unknown-linux-gnu";
+
+/// Seconds a target is fuzzed.
+const SECONDS: u32 = 30;
+
+/// Builds and runs every target; a finding fails.
+pub fn targets() -> Outcome {
+    if Command::new("c++").arg("--version").output().is_err() {
+        install_debian(&["g++"])?;
+    }
+    let built = target_directory()?.join("fuzz");
+    let mut build = cargo(["build", "--locked", "--release", "--target", HOST]);
+    build
+        .current_dir(root().join("fuzz"))
+        .env("RUSTFLAGS", FLAGS)
+        .env("CARGO_TARGET_DIR", &built);
+    run(&mut build)?;
+    for target in ["flight_log"] {
+        let (corpus, finds) = (built.join("corpus").join(target), built.join("finds"));
+        for folder in [&corpus, &finds] {
+            std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        }
+        let mut fuzz = Command::new(built.join(HOST).join("release").join(target));
+        fuzz.arg(format!("-artifact_prefix={}/", finds.display()));
+        fuzz.args([
+            "-rss_limit_mb=200",
+            "-max_len=16384",
+            "-verbosity=0",
+            "-print_final_stats=1",
+        ]);
+        fuzz.arg(format!("-max_total_time={SECONDS}"));
+        run(fuzz
+            .arg(corpus)
+            .arg(root().join("fuzz").join("corpus").join(target)))?;
+    }
+    Ok(())
+}

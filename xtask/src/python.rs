@@ -1,0 +1,73 @@
+//! Independent readers, from PyPI: installed into an environment of their own below target/.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::hash;
+use crate::process::{Outcome, cargo, root, run, target_directory};
+
+/// The packages with their exact versions.
+const PACKAGES: [&str; 1] = ["pyulog==1.3.0"];
+
+/// pyulog reads every topic of every log that is written here.
+pub fn reads_logs() -> Outcome {
+    let python = environment()?;
+    let logs = logs()?;
+    let script = root().join("tests").join("clients").join("pyulog_read.py");
+    run(Command::new(python).arg(script).args(logs))
+}
+
+/// Logs of whole flights, and the small ones of the log's own tests.
+fn logs() -> Result<Vec<PathBuf>, String> {
+    let mut logs = Vec::new();
+    for (name, mission, options) in [
+        ("monitoring", "missions/monitoring.plan", &[] as &[&str]),
+        ("survey", "missions/survey.plan", &["--vehicle", "x450"]),
+        (
+            "paper",
+            "missions/monitoring.plan",
+            &["--preset", "paper", "--model", "paper"],
+        ),
+        ("crash", "missions/monitoring.plan", &["--push", "10,0,0,60,9"]),
+    ] {
+        // Not every one of them is completed: the log is there all the same.
+        let _ = hash::fly("release", mission, name, options);
+        logs.push(hash::folder(name)?.join("flight.ulg"));
+    }
+    let samples = hash::folder("samples")?;
+    let mut command = cargo(["run", "--locked", "--quiet", "--package", "windhover-flight-log"]);
+    command.args(["--features", "reader", "--example", "sample", "--"]);
+    run(command.arg(&samples).arg("2000"))?;
+    let files = std::fs::read_dir(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
+    logs.extend(files.filter_map(|file| Some(file.ok()?.path())));
+    Ok(logs)
+}
+
+/// The environment's python; made and filled when it is not there.
+fn environment() -> Result<PathBuf, String> {
+    let folder = target_directory()?.join("python");
+    let python = folder.join("bin").join("python");
+    if !python.is_file() {
+        let make = || run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
+        if make().is_err() {
+            install_debian(&["python3", "python3-venv"])?;
+            make()?;
+        }
+    }
+    let mut pip = Command::new(&python);
+    run(pip
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+        .args(PACKAGES))?;
+    Ok(python)
+}
+
+/// Installs packages by apt; says which are missing where that cannot be done.
+pub fn install_debian(packages: &[&str]) -> Outcome {
+    let missing = |error| format!("{error}\nPlease install {}", packages.join(" and "));
+    run(Command::new("apt-get").args(["update", "--quiet"])).map_err(missing)?;
+    let mut install = Command::new("apt-get");
+    run(install
+        .args(["install", "--yes", "--quiet", "--no-install-recommends"])
+        .args(packages))
+    .map_err(missing)
+}
