@@ -2,7 +2,7 @@
 //!
 //! - [`plan`]: missions written in metres from home; [`trace`]: what a flight did, step by step.
 //! - [`random`]: flights with everything drawn at random.
-//! - [`bench`]: the core and a world driven by hand, for what no orderly flight does.
+//! - [`mod@bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
 pub mod bench;
