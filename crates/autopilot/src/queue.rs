@@ -2,7 +2,7 @@
 //!
 //! Tasks of any priority put items in; at a boundary of the schedule the items of each queue up to
 //! its bound are frozen into the snapshot, and the outer step sees nothing else. A new kind of
-//! input is one line in [`outer_inputs!`]'s use below.
+//! input is one line in `outer_inputs!`'s use below.
 
 use heapless::{Deque, Vec};
 use windhover_control::TrajectorySetpoint;

@@ -4,7 +4,7 @@
 //! bit for bit. The writer runs on board: no heap, no clock, bounded memory, and it never keeps its
 //! caller waiting. The reader (feature `reader`) runs on the desktop and needs std.
 //!
-//! - [`wire`], [`value`], [`record`]: bytes, scalars, and records declared one line each.
+//! - [`wire`], [`value`], [`mod@record`]: bytes, scalars, and records declared one line each.
 //! - [`inputs`]: what the core takes from its queues; a new kind of input is one line there.
 //! - [`batch`], [`motors`]: inertial samples and motor commands, one message a period each.
 //! - [`views`]: what people look at, under PX4's names where PX4 has one.
