@@ -380,6 +380,12 @@ mod tests {
             let now = path.step(DT, 0.5).setpoint;
             let moved = (now.velocity + last.velocity) * 0.002;
             assert!(scalar::norm(now.position - last.position - moved) < 1e-4);
+            let sped = (now.acceleration + last.acceleration) * 0.002;
+            assert!(scalar::norm(now.velocity - last.velocity - sped) < 1e-4);
+            let changed = (now.jerk + last.jerk) * 0.002;
+            // The jerk jumps, four times a leg.
+            let jump = scalar::norm(now.jerk - last.jerk) * 0.002;
+            assert!(scalar::norm(now.acceleration - last.acceleration - changed) < jump + 1e-4);
             assert!(now.velocity.z >= -0.75 * 1.001);
             last = now;
         }
