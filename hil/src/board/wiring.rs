@@ -1,0 +1,61 @@
+//! What is soldered to the microcontroller's pins.
+
+/// A pin: port 0 is A.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Pin {
+    /// 0 for port A, 1 for port B, and so on.
+    pub port: u8,
+    /// 0 to 15.
+    pub number: u8,
+}
+
+impl Pin {
+    /// Pin `number` of the port with this letter.
+    pub const fn new(port: char, number: u8) -> Self {
+        Self {
+            port: port as u8 - b'A',
+            number,
+        }
+    }
+}
+
+/// A serial port by its number in the reference manual: 1, 2, 3 or 6.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Usart(pub u8);
+
+/// One period of a PWM output, as it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PwmPulse {
+    /// How long the pin will be high, in ticks of virtual time.
+    pub high: u64,
+    /// Length of the whole period, in ticks of virtual time.
+    pub period: u64,
+}
+
+/// What is on the other side of the pins. Times are virtual, see [`crate::time`].
+pub trait Wiring {
+    /// SPI1 exchanges one byte; chip selects have been told through [`Wiring::output`].
+    fn spi(&mut self, now: u64, mosi: u8) -> u8;
+    /// A pin that the firmware drives as an output changed its level.
+    fn output(&mut self, now: u64, pin: Pin, level: bool);
+    /// A PWM period begins on a pin that is switched to its timer.
+    fn pwm(&mut self, now: u64, pin: Pin, pulse: PwmPulse);
+    /// A pin stops giving PWM: its timer stopped, its channel was disabled, or it was switched
+    /// away from the timer.
+    fn pwm_stopped(&mut self, now: u64, pin: Pin);
+    /// The last stop bit of a byte left a serial port's transmitter pin.
+    fn transmitted(&mut self, now: u64, port: Usart, byte: u8);
+    /// When something will next happen out here.
+    fn next_event(&self) -> u64;
+    /// Lets everything happen that is due by `now`.
+    fn advance(&mut self, now: u64, inputs: &mut Inputs);
+}
+
+/// What the outside does to the pins.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// New levels of input pins, in order.
+    pub levels: Vec<(Pin, bool)>,
+    /// Bytes that arrive whole at a serial port's receiver now.
+    pub received: Vec<(Usart, u8)>,
+}
