@@ -2,7 +2,9 @@
 //!
 //! A kind is declared once, below. Items carry the tick of the boundary at which they were frozen.
 
-use windhover_autopilot::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Urgent};
+use windhover_autopilot::{
+    Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues, Urgent,
+};
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3};
@@ -44,6 +46,23 @@ macro_rules! inputs {
                 match id {
                     $($id => Record::get(from).map(Self::$Kind),)*
                     _ => None,
+                }
+            }
+
+            /// Writes the fields; the topic's number.
+            pub fn put(&self, out: &mut Encoder<'_>) -> u16 {
+                match self {
+                    $(Self::$Kind(item) => {
+                        item.put(out);
+                        <$Item as Topic>::TOPIC.id
+                    })*
+                }
+            }
+
+            /// Puts it into its queue.
+            pub fn queue(self, queues: &mut Queues) {
+                match self {
+                    $(Self::$Kind(item) => queues.$queue.push(item),)*
                 }
             }
 
