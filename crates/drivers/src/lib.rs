@@ -9,6 +9,8 @@
 //! the calls in a time-out. Dropping a call half-way is safe.
 //!
 //! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
+//! - [`pulse`]: pulses for electronic speed controllers.
 #![no_std]
 
 pub mod icm42688p;
+pub mod pulse;

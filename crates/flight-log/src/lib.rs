@@ -35,6 +35,7 @@ pub mod record;
 mod ring;
 pub mod topics;
 pub mod value;
+pub mod version;
 pub mod views;
 pub mod wire;
 
