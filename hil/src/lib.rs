@@ -2,8 +2,12 @@
 //!
 //! - [`time`]: virtual time, in which everything here is measured.
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
+//! - [`machine`]: the processor, which runs the program.
+//! - [`elf`]: the program, and the names in it.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
+pub mod elf;
+pub mod machine;
 pub mod time;
 pub mod violation;

@@ -61,6 +61,8 @@ pub fn config() -> Config {
     config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
     config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
     config.rcc.sys = rcc::Sysclk::PLL1_P;
+    // No calendar: without this the HAL selects its clock in one place and clears it in another.
+    config.rcc.ls = rcc::LsConfig::off();
     config
 }
 

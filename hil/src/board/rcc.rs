@@ -42,6 +42,9 @@ const CSR_IWDGRSTF: u32 = 1 << 29;
 /// Reset values (RM0090 table 34), one for each bus: AHB1, AHB2, AHB3, APB1, APB2.
 const ENR_RESET: [u32; 5] = [0x0010_0000, 0, 0, 0, 0];
 const LPENR_RESET: [u32; 5] = [0x7E67_91FF, 0xF1, 0x1, 0x36FE_C9FF, 0x0007_5F33];
+/// DCKCFGR of larger parts, which a HAL for all of them writes; reserved here (RM0090 7.3.25 stops
+/// at 0x84): reads as zero, and what is written has no effect.
+const DCKCFGR: u32 = 0x8C;
 const PLLCFGR_RESET: u32 = 0x2400_3010;
 const PLLCFGR_WRITABLE: u32 = 0x0F43_7FFF;
 /// A reserved bit that reads as one.
@@ -166,6 +169,7 @@ impl Rcc {
                 }
                 value
             }
+            DCKCFGR => 0,
             PLLCFGR => self.pll,
             CFGR => self.configuration | self.source << 2,
             CIR => self.interrupts,
@@ -198,6 +202,7 @@ impl Rcc {
             PLLCFGR if self.oscillators.on(PLL) => {
                 return misuse("PLLCFGR is written while the PLL is on");
             }
+            DCKCFGR => {}
             PLLCFGR => self.pll = value & PLLCFGR_WRITABLE | PLLCFGR_RESERVED,
             CFGR => {
                 self.configuration = value & !(3 << 2);
