@@ -3,11 +3,13 @@
 //! - [`time`]: virtual time, in which everything here is measured.
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
 //! - [`machine`]: the processor, which runs the program.
+//! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`elf`]: the program, and the names in it.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
 pub mod elf;
 pub mod machine;
+pub mod rig;
 pub mod time;
 pub mod violation;

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::convert::Infallible;
-use std::future::{Future, poll_fn};
+use std::future::{Future, pending};
 use std::pin::pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
@@ -43,8 +43,8 @@ pub struct Desk {
     pub selected: bool,
     /// Transfers until the bus fails once.
     pub fails_after: Option<usize>,
-    /// Transfers until the bus does not complete any more.
-    pub hangs_after: Option<usize>,
+    /// Transfers until the bus hangs, and how many bytes of the next one it still sends.
+    pub hangs_after: Option<(usize, usize)>,
     /// Writes to this address are lost.
     pub loses: Option<u8>,
 }
@@ -58,6 +58,23 @@ impl Desk {
                 model::Event::Int1 { time, level: true } => self.rises.push(time),
                 model::Event::Int1 { .. } => {}
             }
+        }
+    }
+
+    /// Whether the bus hangs in this transfer; what it still sends is sent.
+    fn hangs(&mut self, words: &[u8]) -> bool {
+        match &mut self.hangs_after {
+            Some((0, bytes)) => {
+                for word in words.iter().take(*bytes) {
+                    self.part.exchange(self.now, *word);
+                }
+                true
+            }
+            Some((transfers, _)) => {
+                *transfers -= 1;
+                false
+            }
+            None => false,
         }
     }
 
@@ -139,15 +156,10 @@ impl SpiBus for Handle {
     }
 
     async fn transfer_in_place(&mut self, words: &mut [u8]) -> Result<(), Overrun> {
-        poll_fn(|_| match &mut self.0.borrow_mut().hangs_after {
-            Some(0) => Poll::Pending,
-            Some(left) => {
-                *left -= 1;
-                Poll::Ready(())
-            }
-            None => Poll::Ready(()),
-        })
-        .await;
+        let hangs = self.0.borrow_mut().hangs(words);
+        if hangs {
+            pending::<()>().await;
+        }
         let desk = &mut *self.0.borrow_mut();
         assert!(desk.selected, "bytes without chip select");
         desk.transfers.push(words.len());
