@@ -1,31 +1,30 @@
 //! scratch
 use std::sync::Arc;
-use windhover_hil::board::{Board, Inputs, Pin, PwmPulse, Usart, Wiring};
 use windhover_hil::elf::Elf;
-use windhover_hil::machine::{Machine, Options};
-use windhover_hil::time::{NEVER, SECOND};
-#[derive(Default)]
-struct Null { bytes: Vec<u8>, pulses: Vec<(u64, Pin, PwmPulse)> }
-impl Wiring for Null {
-    fn spi(&mut self, _: u64, _: u8) -> u8 { 0xff }
-    fn output(&mut self, now: u64, pin: Pin, level: bool) { if now < SECOND/50 {println!("{now} {pin:?} {level}");} }
-    fn pwm(&mut self, now: u64, pin: Pin, pulse: PwmPulse) { self.pulses.push((now, pin, pulse)); }
-    fn pwm_stopped(&mut self, now: u64, pin: Pin) {println!("{now} {pin:?} stopped"); }
-    fn transmitted(&mut self, _: u64, port: Usart, byte: u8) { if port == Usart(3) { self.bytes.push(byte); } }
-    fn next_event(&self) -> u64 { NEVER }
-    fn advance(&mut self, _: u64, _: &mut Inputs) {}
-}
+use windhover_hil::flight::{self, Plan};
+use windhover_hil::time::SECOND;
+use windhover_model::Vehicle;
 fn main() {
     let a: Vec<String> = std::env::args().collect();
-    let bytes = std::fs::read(&a[1]).unwrap();
-    let elf = Arc::new(Elf::parse(bytes).unwrap());
-    let mut m = Machine::new(Board::new(Null::default()), elf, Options::default()).unwrap();
+    let elf = Arc::new(Elf::load(std::path::Path::new(&a[1])).unwrap());
+    let s: f64 = a.get(2).map_or(10.0, |x| x.parse().unwrap());
+    let rig = windhover_hil::rig::Setup{ faults: a[3..].iter().map(|f| f.parse().unwrap()).collect(), ..Default::default() };
+    let plan = Plan { vehicle: Vehicle::named("os4").unwrap(), conditions: Default::default(), rig, seconds: s };
+    let mut m = flight::machine(elf, &plan).unwrap();
     let t = std::time::Instant::now();
-    let r = m.run(SECOND * 2);
-    if let Err(e) = &r { println!("{e}"); }
-    println!("{} s virtual in {:?}, {} instructions, resets {:?}", m.now() as f64 / SECOND as f64, t.elapsed(), m.instructions(), m.resets());
-    println!("asleep {:.3}", m.load().asleep as f64 / m.load().total() as f64);
+    let r = flight::fly(&mut m, &plan, |_| {});
+    println!("{r:?}");
+    let w = t.elapsed().as_secs_f64();
+    let v = m.now() as f64 / SECOND as f64;
+    println!("{v} s virtual in {w} s: {:.2} x, {} instructions", v/w, m.instructions());
+    for r in m.resets().iter().take(3) { println!("reset {:?}", r.cause); }
+    for l in m.lockups() { println!("lockup {l:?}"); }
+    let total = m.load().total() as f64;
+    println!("asleep {:.3}", m.load().asleep as f64 / total);
+    for n in 0..110 { let x = m.load().exception(n) as f64 / total; if x > 1e-4 { println!("exception {n}: {x:.4}"); } }
     let b = m.bus();
-    println!("log {} bytes, pulses {} {:?}", b.wiring.bytes.len(), b.wiring.pulses.len(), b.wiring.pulses.last());
-    std::fs::write("/tmp/boot.ulg", &b.wiring.bytes).unwrap();
+    println!("misuse {:?}", b.wiring.imu_misuse());
+    std::fs::write("/tmp/boot.ulg", b.wiring.log()).unwrap();
+    let bytes = b.wiring.log().to_vec();
+    match windhover_flight_log::reader::Log::open(&bytes) { Ok(log) => println!("{:?}", windhover_sim::replay::replay(&log)), Err(e) => println!("{e}") }
 }

@@ -4,11 +4,13 @@
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
 //! - [`machine`]: the processor, which runs the program.
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
+//! - [`flight`]: a flight from power-on to disarmed.
 //! - [`elf`]: the program, and the names in it.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
 pub mod elf;
+pub mod flight;
 pub mod machine;
 pub mod rig;
 pub mod time;
