@@ -107,7 +107,7 @@ impl Stream {
         1 << (self.control >> PSIZE_SHIFT & 3)
     }
 
-    /// In direct mode the memory's size is the peripheral's (RM0090 10.3.13).
+    /// In direct mode the memory's size is the peripheral's (RM0090 10.3.12).
     fn memory_size(&self) -> usize {
         if self.direct() {
             self.peripheral_size()
