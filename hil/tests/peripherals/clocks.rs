@@ -242,10 +242,21 @@ fn the_rtc_s_source_changes_only_by_a_reset_of_the_backup_domain() {
     let mut bench = Bench::powered();
     bench.write(PWR_CR, 1 << 14 | 1 << 8);
     bench.write(RCC_BDCR, 2 << 8);
-    assert_says(&bench.refused(RCC_BDCR, 1 << 8), "RTCSEL");
+    bench.write(RCC_BDCR, 1 << 8);
+    assert_eq!(bench.read(RCC_BDCR), 2 << 8);
     bench.write(RCC_BDCR, 1 << 16);
     bench.write(RCC_BDCR, 0);
     bench.write(RCC_BDCR, 1 << 8);
+    assert_eq!(bench.read(RCC_BDCR), 1 << 8);
+}
+
+// The reserved place after the last register, which embassy-stm32 writes.
+#[test]
+fn the_dedicated_clock_register_of_other_parts_takes_only_zero() {
+    let mut bench = Bench::new();
+    bench.write(RCC + 0x8C, 0);
+    assert_eq!(bench.read(RCC + 0x8C), 0);
+    assert!(bench.try_write(RCC + 0x8C, 1).is_err());
 }
 
 // 7.3.21: LSION

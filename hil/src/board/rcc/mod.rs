@@ -19,6 +19,8 @@ const BDCR: u32 = 0x70;
 const CSR: u32 = 0x74;
 const SSCGR: u32 = 0x80;
 const PLLI2SCFGR: u32 = 0x84;
+/// The F405 has no such register, but embassy-stm32 0.6 writes zero to it. Reserved, it reads as zero.
+const DCKCFGR: u32 = 0x8C;
 
 const CR_HSEBYP: u32 = 1 << 18;
 /// Bits of CR that only keep what is written: HSITRIM, CSSON.
@@ -177,6 +179,7 @@ impl Rcc {
             }
             SSCGR => self.spread_spectrum,
             PLLI2SCFGR => self.pll_i2s,
+            DCKCFGR => 0,
             _ => return self.gates.read(offset),
         })
     }
@@ -200,7 +203,7 @@ impl Rcc {
             BDCR if !backup_writable => {
                 return misuse("BDCR is written while PWR_CR.DBP protects the backup domain");
             }
-            BDCR => return self.write_backup_domain(now, value),
+            BDCR => self.write_backup_domain(now, value),
             CSR => {
                 self.oscillators.switch(LSI, value & CSR_LSION != 0, now);
                 if value & CSR_RMVF != 0 {
@@ -209,6 +212,7 @@ impl Rcc {
             }
             SSCGR => self.spread_spectrum = value,
             PLLI2SCFGR => self.pll_i2s = value,
+            DCKCFGR if value == 0 => {}
             _ => return self.gates.write(offset, value),
         }
         Ok(())
@@ -254,19 +258,17 @@ impl Rcc {
         }
     }
 
-    fn write_backup_domain(&mut self, now: u64, value: u32) -> Answer<()> {
+    fn write_backup_domain(&mut self, now: u64, value: u32) {
         if value & BDCR_BDRST != 0 {
             self.oscillators.switch(LSE, false, now);
             self.backup_domain = BDCR_BDRST;
-            return Ok(());
-        }
-        let chosen = self.backup_domain & BDCR_RTCSEL;
-        if chosen != 0 && value & BDCR_RTCSEL != chosen {
-            return misuse("RTCSEL is changed without a reset of the backup domain");
+            return;
         }
         self.oscillators.switch(LSE, value & BDCR_LSEON != 0, now);
-        self.backup_domain = value & BDCR_PLAIN;
-        Ok(())
+        // embassy-stm32 0.6 writes its default of zero over the source that it chose: no effect.
+        let chosen = self.backup_domain & BDCR_RTCSEL;
+        let source = if chosen == 0 { value & BDCR_RTCSEL } else { chosen };
+        self.backup_domain = value & BDCR_PLAIN & !BDCR_RTCSEL | source;
     }
 
     /// Takes the clock source that SW asks for, once it is ready, and the prescalers.
