@@ -168,20 +168,19 @@ impl Chip {
         value: u32,
         outside: &mut Outside,
     ) -> Result<(), Violation> {
-        let state = |rcc: &Rcc| (rcc.clocks(), rcc.enables);
-        let (before, resets_before) = (state(&self.rcc), self.rcc.resets);
+        let state = |rcc: &Rcc| (rcc.clocks(), rcc.gates);
+        let before = state(&self.rcc);
         self.write_register(now, Unit::Rcc, address & OFFSET, value, outside)
             .map_err(|refusal| refusal.of(Unit::Rcc.name(), address, "write"))?;
         self.changed |= slot(Unit::Rcc);
-        let resets = self.rcc.resets != resets_before;
-        if resets {
+        if before.1.resets != self.rcc.gates.resets {
             map::gated_units()
                 .filter(|unit| unit.gate().is_some_and(|gate| self.rcc.held_in_reset(gate)))
                 .collect::<Vec<_>>()
                 .into_iter()
                 .for_each(|unit| self.reset_unit(unit));
         }
-        if resets || before != state(&self.rcc) {
+        if before != state(&self.rcc) {
             self.clocks_changed(now, outside)?;
         }
         self.settle(now, outside)

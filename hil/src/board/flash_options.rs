@@ -1,4 +1,4 @@
-//! Option bytes (RM0090 3.6): what is kept of them is the brown-out level and write protection.
+//! Option bytes (RM0090 3.7): what is kept of them is the brown-out level and write protection.
 
 use super::refusal::{Answer, misuse};
 

@@ -1,6 +1,6 @@
 //! The independent watchdog (RM0090 chapter 21).
 
-use super::clocks::LSI_CYCLE;
+use super::rcc::clocks::LSI_CYCLE;
 use super::refusal::{Answer, Refusal, misuse};
 use crate::time::NEVER;
 

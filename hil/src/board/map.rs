@@ -124,8 +124,8 @@ impl Unit {
         })
     }
 
-    /// On the two APB buses a byte or half-word is repeated to fill the word (RM0090 2.1.9... the
-    /// bridges "duplicate the 16- or 8-bit data"); on AHB it has lanes of its own.
+    /// On the two APB buses a byte or half-word is repeated to fill the word (RM0090 2.1, AHB/APB
+    /// bridges); on AHB it has lanes of its own.
     pub(super) fn on_apb(self) -> bool {
         matches!(
             self,

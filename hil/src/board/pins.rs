@@ -142,15 +142,24 @@ impl Chip {
             self.check_output_pins(timer)?;
         }
         for output in self.outputs.iter_mut().filter(|output| output.timer == timer) {
-            let pulse = self.timers[timer]
-                .pulse(output.channel, output.complement)
-                .map_err(|refusal| refusal.during(Unit::Timer(timer).name()))?;
-            match pulse {
-                None if output.active => wiring.pwm_stopped(now, output.pin),
-                Some(pulse) if begins => wiring.pwm(now, output.pin, pulse),
-                _ => continue,
+            let Output {
+                channel,
+                complement,
+                pin,
+                ..
+            } = *output;
+            if !self.timers[timer].pulses(channel, complement) {
+                if std::mem::take(&mut output.active) {
+                    wiring.pwm_stopped(now, pin);
+                }
+            } else if begins {
+                let pulse = self.timers[timer].pulse(channel, complement);
+                let pulse = pulse.map_err(|refusal| refusal.during(Unit::Timer(timer).name()))?;
+                if let Some(pulse) = pulse {
+                    wiring.pwm(now, pin, pulse);
+                    output.active = true;
+                }
             }
-            output.active = pulse.is_some();
         }
         Ok(())
     }

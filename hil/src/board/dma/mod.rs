@@ -1,6 +1,7 @@
 //! A DMA controller (RM0090 chapter 10): eight streams, their registers and interrupts.
 
 pub(super) mod requests;
+mod setup;
 mod stream;
 
 use super::Memory;

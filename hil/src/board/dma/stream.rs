@@ -2,7 +2,7 @@
 
 use super::super::Memory;
 use super::super::refusal::{Answer, misuse};
-use super::requests::{self, Heard};
+use super::requests::Heard;
 use std::ops::Range;
 
 pub(super) const EN: u32 = 1 << 0;
@@ -10,19 +10,15 @@ const DMEIE: u32 = 1 << 1;
 const TEIE: u32 = 1 << 2;
 const HTIE: u32 = 1 << 3;
 const TCIE: u32 = 1 << 4;
-const PFCTRL: u32 = 1 << 5;
-const DIR_SHIFT: u32 = 6;
+pub(super) const DIR_SHIFT: u32 = 6;
 const CIRC: u32 = 1 << 8;
 const PINC: u32 = 1 << 9;
 const MINC: u32 = 1 << 10;
-const PSIZE_SHIFT: u32 = 11;
-const MSIZE_SHIFT: u32 = 13;
-const PINCOS: u32 = 1 << 15;
+pub(super) const PSIZE_SHIFT: u32 = 11;
+pub(super) const MSIZE_SHIFT: u32 = 13;
 const PL_SHIFT: u32 = 16;
 const DBM: u32 = 1 << 18;
 const CT: u32 = 1 << 19;
-const PBURST: u32 = 3 << 21;
-const CHSEL_SHIFT: u32 = 25;
 const WRITABLE: u32 = 0x0FEF_FFFF;
 /// What may change while the stream runs: the interrupts.
 const CHANGEABLE: u32 = DMEIE | TEIE | HTIE | TCIE;
@@ -34,11 +30,8 @@ pub(super) const FCR_RESET: u32 = FCR_EMPTY | 1;
 const FCR_WRITABLE: u32 = 1 << 7 | FCR_DMDIS | FCR_FTH;
 
 /// Flags, as they lie in the first place of LISR and HISR.
-const HTIF: u32 = 1 << 4;
-const TCIF: u32 = 1 << 5;
-/// TEIF, HTIF and TCIF: what must be clear before a stream is enabled.
-const FLAGS_OF_A_TRANSFER: u32 = 1 << 3 | HTIF | TCIF;
-
+pub(super) const HTIF: u32 = 1 << 4;
+pub(super) const TCIF: u32 = 1 << 5;
 /// What the controllers reach of memory: SRAM, and flash to read. The core-coupled memory at
 /// 0x1000_0000 is the processor's alone (RM0090 2.3.1).
 const SRAM: Range<u32> = 0x2000_0000..0x2002_0000;
@@ -62,7 +55,7 @@ pub(super) struct Stream {
     memory_address: u32,
     peripheral_address: u32,
     fifo: [u8; FIFO_BYTES],
-    filled: usize,
+    pub filled: usize,
 }
 
 impl Stream {
@@ -103,12 +96,12 @@ impl Stream {
         self.control >> DIR_SHIFT & 3 == 1
     }
 
-    fn peripheral_size(&self) -> usize {
+    pub(super) fn peripheral_size(&self) -> usize {
         1 << (self.control >> PSIZE_SHIFT & 3)
     }
 
-    /// In direct mode the memory's size is the peripheral's (RM0090 10.3.13).
-    fn memory_size(&self) -> usize {
+    /// In direct mode the memory's size is the peripheral's (RM0090 10.3.12).
+    pub(super) fn memory_size(&self) -> usize {
         if self.direct() {
             self.peripheral_size()
         } else {
@@ -162,66 +155,8 @@ impl Stream {
         Ok(())
     }
 
-    fn enable(&mut self, controller: usize, index: usize, memory: &mut dyn Memory) -> Answer<()> {
-        self.check_modes()?;
-        let channel = self.control >> CHSEL_SHIFT & 7;
-        self.heard = requests::heard(controller, index, channel);
-        self.check_request(channel)?;
-        if self.flags & FLAGS_OF_A_TRANSFER != 0 {
-            return misuse("it is enabled before its flags are cleared");
-        }
-        if self.left == 0 {
-            return misuse("it is enabled with nothing to transfer (NDTR = 0)");
-        }
-        let sizes = (self.memory_size(), self.peripheral_size());
-        if !(self.left as usize * sizes.1).is_multiple_of(sizes.0) {
-            return misuse("NDTR is no multiple of what fits the memory's size");
-        }
-        self.control |= EN;
-        self.filled = 0;
-        self.begin(self.left);
-        self.refill(memory)
-    }
-
-    fn check_modes(&self) -> Answer<()> {
-        if self.control >> DIR_SHIFT & 3 > 1 {
-            return misuse("transfers from memory to memory are not modelled");
-        }
-        if self.control & (PFCTRL | PINCOS | PBURST) != 0 {
-            return misuse("PFCTRL, PINCOS and PBURST are not modelled");
-        }
-        let sizes = [PSIZE_SHIFT, MSIZE_SHIFT].map(|shift| self.control >> shift & 3);
-        if sizes.contains(&3) {
-            return misuse("a size of 3 is reserved");
-        }
-        Ok(())
-    }
-
-    fn check_request(&self, channel: u32) -> Answer<()> {
-        let Some(first) = self.heard[0] else {
-            return misuse(format!("channel {channel} carries no modelled request"));
-        };
-        if first.to_peripheral().is_some_and(|to| to != self.transmits()) {
-            return misuse(format!(
-                "its direction is not that of {first:?}, which channel {channel} carries"
-            ));
-        }
-        if !self
-            .heard
-            .iter()
-            .flatten()
-            .any(|request| request.registers().contains(&self.peripheral))
-        {
-            return misuse(format!(
-                "channel {channel} carries {first:?}, whose data are not at PAR = {:#010x}",
-                self.peripheral
-            ));
-        }
-        Ok(())
-    }
-
     /// A new round of `total` items.
-    fn begin(&mut self, total: u32) {
+    pub(super) fn begin(&mut self, total: u32) {
         self.left = total;
         self.total = total;
         self.memory_address = self.memories[usize::from(self.control & CT != 0)];
@@ -292,7 +227,7 @@ impl Stream {
     }
 
     /// Fetches from memory ahead of the peripheral's requests.
-    fn refill(&mut self, memory: &mut dyn Memory) -> Answer<()> {
+    pub(super) fn refill(&mut self, memory: &mut dyn Memory) -> Answer<()> {
         if !self.transmits() || !self.enabled() {
             return Ok(());
         }

@@ -48,7 +48,12 @@ impl Timer {
         exists && self.main_output() && self.enables & enable << (4 * channel) != 0
     }
 
-    /// The pulse of an output in the period that begins; none if it gives nothing.
+    /// Whether an output gives pulses.
+    pub(in super::super) fn pulses(&self, channel: u8, complement: bool) -> bool {
+        self.running() && self.counter.period().is_some() && self.gives(channel, complement)
+    }
+
+    /// The pulse of an output in the period that begins; none if the counter stands still.
     pub(in super::super) fn pulse(&self, channel: u8, complement: bool) -> Answer<Option<PwmPulse>> {
         let (Some(period), Some(compare)) = (
             self.counter.period(),
@@ -56,9 +61,6 @@ impl Timer {
         ) else {
             return Ok(None);
         };
-        if !self.running() || !self.gives(channel, complement) {
-            return Ok(None);
-        }
         let channel_index = usize::from(channel);
         let mode = self.modes[channel_index / 2] >> (8 * (channel_index % 2) + 4) & 7;
         let active = match mode {

@@ -3,15 +3,15 @@
 use crate::time::{MICROSECOND, NEVER};
 
 /// Indices, in the order of the interrupt bits in `RCC_CIR`.
-pub(super) const LSI: usize = 0;
-pub(super) const LSE: usize = 1;
-pub(super) const HSI: usize = 2;
-pub(super) const HSE: usize = 3;
-pub(super) const PLL: usize = 4;
-pub(super) const PLLI2S: usize = 5;
+pub(in super::super) const LSI: usize = 0;
+pub(in super::super) const LSE: usize = 1;
+pub(in super::super) const HSI: usize = 2;
+pub(in super::super) const HSE: usize = 3;
+pub(in super::super) const PLL: usize = 4;
+pub(in super::super) const PLLI2S: usize = 5;
 
 /// Their names.
-pub(super) const NAMES: [&str; 6] = ["LSI", "LSE", "HSI", "HSE", "the PLL", "PLLI2S"];
+pub(in super::super) const NAMES: [&str; 6] = ["LSI", "LSE", "HSI", "HSE", "the PLL", "PLLI2S"];
 
 /// Typical start-up times (datasheet tables 32 to 38).
 const START_UP: [u64; 6] = [
@@ -31,11 +31,11 @@ struct Oscillator {
     due: u64,
 }
 
-pub(super) struct Oscillators([Oscillator; 6]);
+pub(in super::super) struct Oscillators([Oscillator; 6]);
 
 impl Oscillators {
     /// As after reset: only the internal oscillator runs.
-    pub(super) fn new() -> Self {
+    pub(in super::super) fn new() -> Self {
         let off = Oscillator {
             on: false,
             ready: false,
@@ -48,19 +48,19 @@ impl Oscillators {
     }
 
     /// Takes one as it was before a reset.
-    pub(super) fn keep(&mut self, which: usize, before: &Self) {
+    pub(in super::super) fn keep(&mut self, which: usize, before: &Self) {
         self.0[which] = before.0[which];
     }
 
-    pub(super) fn on(&self, which: usize) -> bool {
+    pub(in super::super) fn on(&self, which: usize) -> bool {
         self.0[which].on
     }
 
-    pub(super) fn ready(&self, which: usize) -> bool {
+    pub(in super::super) fn ready(&self, which: usize) -> bool {
         self.0[which].ready
     }
 
-    pub(super) fn switch(&mut self, which: usize, on: bool, now: u64) {
+    pub(in super::super) fn switch(&mut self, which: usize, on: bool, now: u64) {
         let oscillator = &mut self.0[which];
         if oscillator.on != on {
             *oscillator = Oscillator {
@@ -71,12 +71,12 @@ impl Oscillators {
         }
     }
 
-    pub(super) fn next_event(&self) -> u64 {
+    pub(in super::super) fn next_event(&self) -> u64 {
         self.0.iter().fold(NEVER, |soonest, one| soonest.min(one.due))
     }
 
     /// Makes those ready that are due, and returns them as bits.
-    pub(super) fn advance(&mut self, now: u64) -> u32 {
+    pub(in super::super) fn advance(&mut self, now: u64) -> u32 {
         let mut became_ready = 0;
         for (index, oscillator) in self.0.iter_mut().enumerate() {
             if oscillator.due <= now {

@@ -1,18 +1,18 @@
 //! The clock tree (RM0090 7.2): how long one cycle of each bus takes.
 
-use super::refusal::{Answer, misuse};
+use super::super::refusal::{Answer, misuse};
 use crate::time::SECOND;
 
 /// Ticks of virtual time in one cycle of the internal oscillator, 16 MHz.
-pub(super) const HSI_CYCLE: u64 = SECOND / 16_000_000;
+pub(in super::super) const HSI_CYCLE: u64 = SECOND / 16_000_000;
 /// Ticks of virtual time in one cycle of the boards' crystal, 8 MHz.
-pub(super) const HSE_CYCLE: u64 = SECOND / 8_000_000;
+pub(in super::super) const HSE_CYCLE: u64 = SECOND / 8_000_000;
 /// Ticks of virtual time in one cycle of the low-speed internal oscillator, 32 kHz.
-pub(super) const LSI_CYCLE: u64 = SECOND / 32_000;
+pub(in super::super) const LSI_CYCLE: u64 = SECOND / 32_000;
 
 /// Ticks of virtual time in one cycle of each clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Clocks {
+pub(in super::super) struct Clocks {
     /// HCLK: processor, AHB, DMA.
     pub core: u64,
     /// PCLK1.
@@ -36,7 +36,7 @@ const WAIT_STATE_STEP_HZ: u64 = 30_000_000;
 
 impl Clocks {
     /// The buses' clocks from the system clock and the prescalers in `RCC_CFGR`.
-    pub(super) fn new(system: u64, configuration: u32) -> Self {
+    pub(in super::super) fn new(system: u64, configuration: u32) -> Self {
         let core = system * ahb_division((configuration >> 4) & 0xF);
         let (first, second) = (
             apb_division((configuration >> 10) & 0x7),
@@ -52,7 +52,7 @@ impl Clocks {
     }
 
     /// Refuses what the silicon is not specified for.
-    pub(super) fn check(&self, wait_states: u32, scale_1: bool) -> Answer<()> {
+    pub(in super::super) fn check(&self, wait_states: u32, scale_1: bool) -> Answer<()> {
         for (name, cycle, fastest) in [
             ("HCLK", self.core, CORE_FASTEST),
             ("PCLK1", self.apb1, APB1_FASTEST),
@@ -99,7 +99,7 @@ fn timer_cycle(core: u64, division: u64) -> u64 {
 }
 
 /// The main PLL's factors (RM0090 7.3.2).
-pub(super) struct Pll {
+pub(in super::super) struct Pll {
     /// Ticks in a cycle of its source.
     source_cycle: u64,
     input_division: u64,
@@ -109,7 +109,7 @@ pub(super) struct Pll {
 
 impl Pll {
     /// From `RCC_PLLCFGR`.
-    pub(super) fn new(bits: u32) -> Self {
+    pub(in super::super) fn new(bits: u32) -> Self {
         Self {
             source_cycle: if bits & (1 << 22) != 0 {
                 HSE_CYCLE
@@ -123,12 +123,12 @@ impl Pll {
     }
 
     /// Whether it runs from the crystal.
-    pub(super) fn runs_from_crystal(&self) -> bool {
+    pub(in super::super) fn runs_from_crystal(&self) -> bool {
         self.source_cycle == HSE_CYCLE
     }
 
     /// Ticks in a cycle of its output, if the factors are within what the manual allows.
-    pub(super) fn output_cycle(&self) -> Answer<u64> {
+    pub(in super::super) fn output_cycle(&self) -> Answer<u64> {
         let (m, n, p) = (self.input_division, self.multiplication, self.output_division);
         if m < 2 || !(50..=432).contains(&n) {
             return misuse(format!("PLLM = {m}, PLLN = {n} are not allowed"));

@@ -1,8 +1,10 @@
 //! A serial port (RM0090 chapter 30), asynchronous: bytes come and go whole, at their time.
 
-use super::map::Bus;
+mod ports;
+
+pub(super) use ports::PORTS;
+
 use super::refusal::{Answer, Refusal, misuse};
-use super::wiring::Usart as Name;
 use crate::time::NEVER;
 
 const SR: u32 = 0x00;
@@ -47,37 +49,6 @@ const CR3_DMAT: u32 = 1 << 7;
 /// IREN, SCEN, RTSE, CTSE.
 const CR3_UNMODELLED: u32 = 1 << 1 | 1 << 5 | 1 << 8 | 1 << 9;
 const CR3_WRITABLE: u32 = 0x0FFF;
-
-/// What differs from port to port.
-pub(super) struct Port {
-    pub name: &'static str,
-    /// Its name for the wiring.
-    pub number: Name,
-    pub base: u32,
-    pub interrupt: u32,
-    pub bus: Bus,
-    /// Its bit in the enable and reset registers of its bus.
-    pub gate: u32,
-}
-
-/// The serial ports.
-pub(super) const PORTS: [Port; 4] = [
-    port("USART1", 1, 0x4001_1000, 37, Bus::Apb2, 4),
-    port("USART2", 2, 0x4000_4400, 38, Bus::Apb1, 17),
-    port("USART3", 3, 0x4000_4800, 39, Bus::Apb1, 18),
-    port("USART6", 6, 0x4001_1400, 71, Bus::Apb2, 5),
-];
-
-const fn port(name: &'static str, number: u8, base: u32, interrupt: u32, bus: Bus, gate: u32) -> Port {
-    Port {
-        name,
-        number: Name(number),
-        base,
-        interrupt,
-        bus,
-        gate,
-    }
-}
 
 /// What is in the transmitter's shift register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,22 +1,26 @@
 //! Reset and clock control (RM0090 chapter 7).
 
+pub(super) mod clocks;
+mod gates;
+mod oscillator;
+
 use super::ResetCause;
-use super::clocks::{Clocks, HSE_CYCLE, HSI_CYCLE, Pll};
 use super::map::Bus;
-use super::oscillator::{HSE, HSI, LSE, LSI, Oscillators, PLL, PLLI2S};
-use super::refusal::{Answer, Refusal, misuse};
+use super::refusal::{Answer, misuse};
+use clocks::{Clocks, HSE_CYCLE, HSI_CYCLE, Pll};
+use gates::Gates;
+use oscillator::{HSE, HSI, LSE, LSI, Oscillators, PLL, PLLI2S};
 
 const CR: u32 = 0x00;
 const PLLCFGR: u32 = 0x04;
 const CFGR: u32 = 0x08;
 const CIR: u32 = 0x0C;
-const RSTR: u32 = 0x10;
-const ENR: u32 = 0x30;
-const LPENR: u32 = 0x50;
 const BDCR: u32 = 0x70;
 const CSR: u32 = 0x74;
 const SSCGR: u32 = 0x80;
 const PLLI2SCFGR: u32 = 0x84;
+/// The F405 has no such register, but embassy-stm32 0.6 writes zero to it. Reserved, it reads as zero.
+const DCKCFGR: u32 = 0x8C;
 
 const CR_HSEBYP: u32 = 1 << 18;
 /// Bits of CR that only keep what is written: HSITRIM, CSSON.
@@ -39,12 +43,6 @@ const CSR_PORRSTF: u32 = 1 << 27;
 const CSR_SFTRSTF: u32 = 1 << 28;
 const CSR_IWDGRSTF: u32 = 1 << 29;
 
-/// Reset values (RM0090 table 34), one for each bus: AHB1, AHB2, AHB3, APB1, APB2.
-const ENR_RESET: [u32; 5] = [0x0010_0000, 0, 0, 0, 0];
-const LPENR_RESET: [u32; 5] = [0x7E67_91FF, 0xF1, 0x1, 0x36FE_C9FF, 0x0007_5F33];
-/// DCKCFGR of larger parts, which a HAL for all of them writes; reserved here (RM0090 7.3.25 stops
-/// at 0x84): reads as zero, and what is written has no effect.
-const DCKCFGR: u32 = 0x8C;
 const PLLCFGR_RESET: u32 = 0x2400_3010;
 const PLLCFGR_WRITABLE: u32 = 0x0F43_7FFF;
 /// A reserved bit that reads as one.
@@ -67,11 +65,8 @@ pub(super) struct Rcc {
     /// What the system clock really comes from: SWS.
     source: u32,
     interrupts: u32,
-    /// Reset bits by bus.
-    pub resets: [u32; 5],
-    /// Enable bits by bus.
-    pub enables: [u32; 5],
-    sleep_enables: [u32; 5],
+    /// Resets and clock gates of the peripherals.
+    pub gates: Gates,
     backup_domain: u32,
     reset_flags: u32,
     spread_spectrum: u32,
@@ -88,9 +83,7 @@ impl Rcc {
             configuration: 0,
             source: FROM_HSI,
             interrupts: 0,
-            resets: [0; 5],
-            enables: ENR_RESET,
-            sleep_enables: LPENR_RESET,
+            gates: Gates::new(),
             backup_domain: 0,
             reset_flags: CSR_BORRSTF | CSR_PINRSTF | CSR_PORRSTF,
             spread_spectrum: 0,
@@ -123,11 +116,11 @@ impl Rcc {
     }
 
     pub(super) fn enabled(&self, (bus, bit): (Bus, u32)) -> bool {
-        self.enables[bus as usize] & (1 << bit) != 0
+        self.gates.enables[bus as usize] & (1 << bit) != 0
     }
 
     pub(super) fn held_in_reset(&self, (bus, bit): (Bus, u32)) -> bool {
-        self.resets[bus as usize] & (1 << bit) != 0
+        self.gates.resets[bus as usize] & (1 << bit) != 0
     }
 
     /// The independent watchdog switches its oscillator on and keeps it on (RM0090 7.2.5).
@@ -169,7 +162,6 @@ impl Rcc {
                 }
                 value
             }
-            DCKCFGR => 0,
             PLLCFGR => self.pll,
             CFGR => self.configuration | self.source << 2,
             CIR => self.interrupts,
@@ -187,11 +179,8 @@ impl Rcc {
             }
             SSCGR => self.spread_spectrum,
             PLLI2SCFGR => self.pll_i2s,
-            _ => match bus_register(offset).ok_or(Refusal::Unknown)? {
-                (RSTR, bus) => self.resets[bus],
-                (ENR, bus) => self.enables[bus],
-                (_, bus) => self.sleep_enables[bus],
-            },
+            DCKCFGR => 0,
+            _ => return self.gates.read(offset),
         })
     }
 
@@ -202,7 +191,6 @@ impl Rcc {
             PLLCFGR if self.oscillators.on(PLL) => {
                 return misuse("PLLCFGR is written while the PLL is on");
             }
-            DCKCFGR => {}
             PLLCFGR => self.pll = value & PLLCFGR_WRITABLE | PLLCFGR_RESERVED,
             CFGR => {
                 self.configuration = value & !(3 << 2);
@@ -215,7 +203,7 @@ impl Rcc {
             BDCR if !backup_writable => {
                 return misuse("BDCR is written while PWR_CR.DBP protects the backup domain");
             }
-            BDCR => return self.write_backup_domain(now, value),
+            BDCR => self.write_backup_domain(now, value),
             CSR => {
                 self.oscillators.switch(LSI, value & CSR_LSION != 0, now);
                 if value & CSR_RMVF != 0 {
@@ -224,11 +212,8 @@ impl Rcc {
             }
             SSCGR => self.spread_spectrum = value,
             PLLI2SCFGR => self.pll_i2s = value,
-            _ => match bus_register(offset).ok_or(Refusal::Unknown)? {
-                (RSTR, bus) => self.resets[bus] = value,
-                (ENR, bus) => self.enables[bus] = value,
-                (_, bus) => self.sleep_enables[bus] = value,
-            },
+            DCKCFGR if value == 0 => {}
+            _ => return self.gates.write(offset, value),
         }
         Ok(())
     }
@@ -242,7 +227,7 @@ impl Rcc {
             if !on && self.in_use(oscillator) {
                 return misuse(format!(
                     "CR switches {} off while the system clock needs it",
-                    super::oscillator::NAMES[oscillator]
+                    oscillator::NAMES[oscillator]
                 ));
             }
             if oscillator == PLL && on && !self.oscillators.on(PLL) {
@@ -273,19 +258,17 @@ impl Rcc {
         }
     }
 
-    fn write_backup_domain(&mut self, now: u64, value: u32) -> Answer<()> {
+    fn write_backup_domain(&mut self, now: u64, value: u32) {
         if value & BDCR_BDRST != 0 {
             self.oscillators.switch(LSE, false, now);
             self.backup_domain = BDCR_BDRST;
-            return Ok(());
-        }
-        let chosen = self.backup_domain & BDCR_RTCSEL;
-        if chosen != 0 && value & BDCR_RTCSEL != chosen {
-            return misuse("RTCSEL is changed without a reset of the backup domain");
+            return;
         }
         self.oscillators.switch(LSE, value & BDCR_LSEON != 0, now);
-        self.backup_domain = value & BDCR_PLAIN;
-        Ok(())
+        // embassy-stm32 0.6 writes its default of zero over the source that it chose: no effect.
+        let chosen = self.backup_domain & BDCR_RTCSEL;
+        let source = if chosen == 0 { value & BDCR_RTCSEL } else { chosen };
+        self.backup_domain = value & BDCR_PLAIN & !BDCR_RTCSEL | source;
     }
 
     /// Takes the clock source that SW asks for, once it is ready, and the prescalers.
@@ -308,24 +291,4 @@ impl Rcc {
         self.clocks = Clocks::new(system, self.configuration);
         Ok(())
     }
-}
-
-/// One of the five reset, enable or sleep-enable registers, by kind and bus. The fourth place of
-/// each group is empty.
-fn bus_register(offset: u32) -> Option<(u32, usize)> {
-    let kind = match offset {
-        RSTR..ENR => RSTR,
-        ENR..LPENR => ENR,
-        LPENR..BDCR => LPENR,
-        _ => return None,
-    };
-    let bus = match offset - kind {
-        0x00 => 0,
-        0x04 => 1,
-        0x08 => 2,
-        0x10 => 3,
-        0x14 => 4,
-        _ => return None,
-    };
-    Some((kind, bus))
 }
