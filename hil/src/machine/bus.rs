@@ -11,13 +11,7 @@ pub trait Bus {
     fn reset(&mut self, now: u64, cause: ResetCause);
 
     /// Reads a register of 0x4000_0000 to 0x5FFF_FFFF, or of the debug unit at 0xE004_2000.
-    fn read(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        memory: &mut dyn Memory,
-    ) -> Result<u32, Violation>;
+    fn read(&mut self, now: u64, address: u32, size: u32, memory: &mut dyn Memory) -> Result<u32, Violation>;
 
     /// Writes a register, see [`Bus::read`].
     fn write(
@@ -45,13 +39,7 @@ pub trait Bus {
     fn take_reset(&mut self) -> Option<ResetCause>;
 
     /// The processor stores into flash: what these bytes become, or why it must not.
-    fn store_to_flash(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        value: u32,
-    ) -> Result<u32, Violation>;
+    fn store_to_flash(&mut self, now: u64, address: u32, size: u32, value: u32) -> Result<u32, Violation>;
 
     /// Until when flash is busy and the processor cannot fetch from it.
     fn stalled_until(&self) -> u64;

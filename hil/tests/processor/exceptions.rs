@@ -8,9 +8,14 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
 #[test]
 fn interrupts_keep_all_registers_and_flags_of_what_they_preempt() {
     for seed in SEEDS {
-        let [wrong, handled, deepest, _] = reports(Scenario::Storm, seed)[..] else { panic!() };
+        let [wrong, handled, deepest, _] = reports(Scenario::Storm, seed)[..] else {
+            panic!()
+        };
         assert_eq!(wrong, 0, "computations that went wrong, seed {seed}");
-        assert!(handled > 1_000 && deepest >= 4, "{handled} interrupts, {deepest} deep, seed {seed}");
+        assert!(
+            handled > 1_000 && deepest >= 4,
+            "{handled} interrupts, {deepest} deep, seed {seed}"
+        );
     }
 }
 
@@ -23,7 +28,9 @@ fn the_preempted_computation_is_the_same_whatever_the_seed() {
 #[test]
 fn interrupts_between_any_two_halfwords_of_a_page_keep_everything() {
     for seed in SEEDS {
-        let [wrong, handled] = reports(Scenario::Pages, seed)[..] else { panic!() };
+        let [wrong, handled] = reports(Scenario::Pages, seed)[..] else {
+            panic!()
+        };
         assert_eq!(wrong, 0, "computations that went wrong, seed {seed}");
         assert!(handled > 500, "{handled} interrupts, seed {seed}");
     }
@@ -32,7 +39,9 @@ fn interrupts_between_any_two_halfwords_of_a_page_keep_everything() {
 #[test]
 fn a_thread_on_the_process_stack_is_kept_too() {
     for seed in SEEDS {
-        let [wrong, handled] = reports(Scenario::ProcessStack, seed)[..] else { panic!() };
+        let [wrong, handled] = reports(Scenario::ProcessStack, seed)[..] else {
+            panic!()
+        };
         assert_eq!(wrong, 0, "computations that went wrong, seed {seed}");
         assert!(handled > 100, "{handled} interrupts, seed {seed}");
     }
@@ -40,14 +49,18 @@ fn a_thread_on_the_process_stack_is_kept_too() {
 
 #[test]
 fn floats_are_kept_in_a_context_whose_first_float_instruction_was_skipped() {
-    let [wrong, handled] = reports(Scenario::SkippedFloat, 1)[..] else { panic!() };
+    let [wrong, handled] = reports(Scenario::SkippedFloat, 1)[..] else {
+        panic!()
+    };
     assert_eq!(wrong, 0);
     assert!(handled > 100, "{handled} interrupts");
 }
 
 #[test]
 fn primask_holds_all_interrupts_until_it_is_cleared() {
-    let [before, after] = reports(Scenario::Primask, 1)[..] else { panic!() };
+    let [before, after] = reports(Scenario::Primask, 1)[..] else {
+        panic!()
+    };
     assert_eq!(before, 0);
     assert!(after >= 8, "all eight lines waited: {after}");
 }
@@ -56,7 +69,10 @@ fn primask_holds_all_interrupts_until_it_is_cleared() {
 fn basepri_holds_its_own_priority_and_lower_ones_only() {
     let reports = reports(Scenario::Basepri, 1);
     let (held, after) = (&reports[..8], reports[8]);
-    assert!(held[..4].iter().all(|&count| count > 10), "more urgent ones: {held:?}");
+    assert!(
+        held[..4].iter().all(|&count| count > 10),
+        "more urgent ones: {held:?}"
+    );
     assert_eq!(held[4..], [0; 4], "less urgent ones");
     assert!(after >= 4, "they run when it is cleared: {after}");
 }
@@ -74,18 +90,27 @@ fn svc_is_taken_before_the_next_instruction() {
 #[test]
 fn pending_exceptions_run_in_the_order_of_their_priorities() {
     // Line 1 preempts 3; 2 and then PendSV are chained behind it.
-    assert_eq!(reports(Scenario::Order, 1), [3, 1, 0x81, 0x83, 2, 0x82, 0x40, 0xC0]);
+    assert_eq!(
+        reports(Scenario::Order, 1),
+        [3, 1, 0x81, 0x83, 2, 0x82, 0x40, 0xC0]
+    );
 }
 
 #[test]
 fn a_subpriority_orders_but_does_not_preempt() {
-    assert_eq!(reports(Scenario::Subpriority, 1), [3, 0x83, 1, 0x81, 2, 0x82, 0x40, 0xC0]);
+    assert_eq!(
+        reports(Scenario::Subpriority, 1),
+        [3, 0x83, 1, 0x81, 2, 0x82, 0x40, 0xC0]
+    );
 }
 
 #[test]
 fn a_handler_can_change_the_order_of_those_that_wait() {
     // Line 1 has run before its priority changes.
-    assert_eq!(reports(Scenario::Reprioritise, 1), [3, 1, 0x81, 0x83, 2, 0x82, 0x40, 0xC0]);
+    assert_eq!(
+        reports(Scenario::Reprioritise, 1),
+        [3, 1, 0x81, 0x83, 2, 0x82, 0x40, 0xC0]
+    );
 }
 
 #[test]
@@ -112,7 +137,9 @@ fn vectors_come_from_where_vtor_says() {
 #[test]
 fn atomics_lose_nothing_to_handlers() {
     for seed in SEEDS {
-        let [sum, expected] = reports(Scenario::Exclusive, seed)[..] else { panic!() };
+        let [sum, expected] = reports(Scenario::Exclusive, seed)[..] else {
+            panic!()
+        };
         assert_eq!(sum, expected, "seed {seed}");
         assert!(expected > 20_100, "handlers ran: {expected}");
     }

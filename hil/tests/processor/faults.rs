@@ -21,7 +21,9 @@ const NOWHERE: u32 = 0x3000_0000;
 
 /// CFSR, HFSR, BFAR, EXC_RETURN and stack pointer in the HardFault handler.
 fn hard_fault(scenario: Scenario) -> [u32; 5] {
-    reports(scenario, 1).try_into().expect("the HardFault handler ran once")
+    reports(scenario, 1)
+        .try_into()
+        .expect("the HardFault handler ran once")
 }
 
 #[test]
@@ -122,7 +124,10 @@ fn a_vector_table_nowhere_is_a_lockup() {
 #[test]
 fn a_store_into_locked_flash_stops_the_run_and_is_named() {
     let message = stop(Scenario::FlashStore).to_string();
-    assert!(message.contains("flash: store to 0x08000000 while locked"), "{message}");
+    assert!(
+        message.contains("flash: store to 0x08000000 while locked"),
+        "{message}"
+    );
     assert!(message.contains("faults::store"), "{message}");
 }
 
@@ -166,9 +171,17 @@ fn ram_survives_a_reset_by_software() {
 #[test]
 fn a_reset_says_where_it_happened() {
     let machine = run_reset();
-    let [reset] = machine.resets() else { panic!("one reset: {:?}", machine.resets()) };
+    let [reset] = machine.resets() else {
+        panic!("one reset: {:?}", machine.resets())
+    };
     assert_eq!(reset.cause, ResetCause::Software);
-    assert!(reset.place.function.as_ref().is_some_and(|name| name.contains("sys_reset") || name.contains("reset")));
+    assert!(
+        reset
+            .place
+            .function
+            .as_ref()
+            .is_some_and(|name| name.contains("sys_reset") || name.contains("reset"))
+    );
 }
 
 #[test]

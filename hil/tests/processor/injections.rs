@@ -16,7 +16,10 @@ fn a_probe_counts_the_instructions_of_each_call_without_those_of_interrupts() {
     let calls = machine.calls(probe);
     assert!(handled > 10, "{handled} interrupts");
     assert_eq!(calls.count, 5_000);
-    assert_eq!((calls.instructions.min, calls.instructions.max), (INSTRUCTIONS, INSTRUCTIONS));
+    assert_eq!(
+        (calls.instructions.min, calls.instructions.max),
+        (INSTRUCTIONS, INSTRUCTIONS)
+    );
     assert_eq!((calls.cycles.min, calls.cycles.max), (13, 13));
 }
 
@@ -44,16 +47,26 @@ fn duration(prepare: impl FnOnce(&mut windhover_hil::machine::Machine<crate::tes
 fn a_stall_lasts_as_long_as_it_is_told() {
     let without = duration(|_| {});
     let with = duration(|machine| machine.stall(FUNCTION, 500 * MICROSECOND).unwrap());
-    assert!((with - without).abs_diff(500 * MICROSECOND) <= 2 * MICROSECOND, "{}", with - without);
+    assert!(
+        (with - without).abs_diff(500 * MICROSECOND) <= 2 * MICROSECOND,
+        "{}",
+        with - without
+    );
 }
 
 #[test]
 fn a_repeated_stall_acts_each_time() {
     let without = duration(|_| {});
     let with = duration(|machine| {
-        machine.stall_by(FUNCTION, |arrival| if arrival % 2 == 0 { MICROSECOND } else { 0 }).unwrap();
+        machine
+            .stall_by(FUNCTION, |arrival| if arrival % 2 == 0 { MICROSECOND } else { 0 })
+            .unwrap();
     });
-    assert!((with - without).abs_diff(2_500 * MICROSECOND) <= 2 * MICROSECOND, "{}", with - without);
+    assert!(
+        (with - without).abs_diff(2_500 * MICROSECOND) <= 2 * MICROSECOND,
+        "{}",
+        with - without
+    );
 }
 
 #[test]
@@ -69,21 +82,36 @@ fn a_stall_for_ever_lets_interrupts_through_and_nothing_else() {
 #[test]
 fn a_jump_goes_elsewhere() {
     let mut machine = machine(Scenario::Calls, 1);
-    machine.jump(FUNCTION, "windhover_torture::faults::undefined").unwrap();
+    machine
+        .jump(FUNCTION, "windhover_torture::faults::undefined")
+        .unwrap();
     let reports = finish(&mut machine).unwrap();
-    assert_eq!(reports[0], 1 << 16, "CFSR of an undefined instruction: {reports:x?}");
+    assert_eq!(
+        reports[0],
+        1 << 16,
+        "CFSR of an undefined instruction: {reports:x?}"
+    );
 }
 
 #[test]
 fn a_stack_pointer_can_be_set() {
     let mut machine = machine(Scenario::Order, 1);
-    machine.set_sp("windhover_torture::threads::order", 0x1000_0008).unwrap();
+    machine
+        .set_sp("windhover_torture::threads::order", 0x1000_0008)
+        .unwrap();
     let reports = finish(&mut machine).unwrap();
-    assert_ne!(reports[0] & 1 << 9, 0, "CFSR of a push into nothing: {reports:x?}");
+    assert_ne!(
+        reports[0] & 1 << 9,
+        0,
+        "CFSR of a push into nothing: {reports:x?}"
+    );
 }
 
 #[test]
 fn a_name_that_is_not_there_is_an_error() {
     let mut machine = machine(Scenario::Calls, 1);
-    assert_eq!(machine.count("no_such_function").unwrap_err().to_string(), "no symbol is called no_such_function");
+    assert_eq!(
+        machine.count("no_such_function").unwrap_err().to_string(),
+        "no symbol is called no_such_function"
+    );
 }

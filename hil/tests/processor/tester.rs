@@ -139,7 +139,10 @@ impl Bus for Tester {
     }
 
     fn store_to_flash(&mut self, _: u64, address: u32, _: u32, _: u32) -> Result<u32, Violation> {
-        Err(Violation::Misuse { peripheral: "flash", what: format!("store to {address:#010x} while locked") })
+        Err(Violation::Misuse {
+            peripheral: "flash",
+            what: format!("store to {address:#010x} while locked"),
+        })
     }
 
     fn stalled_until(&self) -> u64 {
@@ -148,7 +151,11 @@ impl Bus for Tester {
 }
 
 fn unknown(address: u32, access: &'static str) -> Violation {
-    Violation::UnknownRegister { peripheral: "tester", address, access }
+    Violation::UnknownRegister {
+        peripheral: "tester",
+        address,
+        access,
+    }
 }
 
 /// The program, built once.
@@ -161,7 +168,14 @@ fn build() -> Arc<Elf> {
     let package = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("torture");
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("torture");
     let status = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--locked", "--release", "--target", "thumbv7em-none-eabihf"])
+        .args([
+            "build",
+            "--quiet",
+            "--locked",
+            "--release",
+            "--target",
+            "thumbv7em-none-eabihf",
+        ])
         .arg("--target-dir")
         .arg(&target)
         .current_dir(&package)
@@ -181,7 +195,11 @@ pub fn machine(scenario: Scenario, seed: u64) -> Machine<Tester> {
 pub fn finish(machine: &mut Machine<Tester>) -> Result<Vec<u32>, Stop> {
     let limit = machine.now() + 60 * SECOND;
     while !machine.bus().finished {
-        assert!(machine.now() < limit, "not finished; reports so far: {:x?}", machine.bus().reports);
+        assert!(
+            machine.now() < limit,
+            "not finished; reports so far: {:x?}",
+            machine.bus().reports
+        );
         let until = machine.now() + SECOND / 1000;
         machine.run(until)?;
     }

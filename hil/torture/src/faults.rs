@@ -63,7 +63,13 @@ unsafe extern "C" fn hard_fault(exc_return: u32, sp: u32) -> ! {
     if FAULT_AGAIN.load(Relaxed) != 0 {
         undefined();
     }
-    for word in [status(0xE000_ED28), status(0xE000_ED2C), status(0xE000_ED38), exc_return, sp] {
+    for word in [
+        status(0xE000_ED28),
+        status(0xE000_ED2C),
+        status(0xE000_ED38),
+        exc_return,
+        sp,
+    ] {
         tester::report(word);
     }
     tester::finish()

@@ -121,6 +121,10 @@ pub fn run(copy: usize, input: &Input, rounds: u32) -> Output {
 /// Something to start from.
 pub fn input() -> Input {
     core::array::from_fn(|i| {
-        if i < 32 { (0.75_f32 + i as f32 * 0.219).to_bits() } else { 0x9E37_79B9_u32.wrapping_mul(i as u32) }
+        if i < 32 {
+            (0.75_f32 + i as f32 * 0.219).to_bits()
+        } else {
+            0x9E37_79B9_u32.wrapping_mul(i as u32)
+        }
     })
 }

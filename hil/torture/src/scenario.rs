@@ -11,6 +11,7 @@ macro_rules! scenarios {
 
         impl Scenario {
             /// All of them, by number.
+            #[allow(dead_code, reason = "the program looks itself up, the tests do not")]
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
         }
     };
