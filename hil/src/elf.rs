@@ -64,8 +64,13 @@ impl Elf {
             }
         }
         let mut symbols: Vec<Symbol> = elf.symbols().filter_map(|symbol| named(&symbol)).collect();
-        symbols.sort_by(|a, b| (a.address, !a.is_function, &a.name).cmp(&(b.address, !b.is_function, &b.name)));
-        Ok(Self { segments, symbols, file })
+        symbols
+            .sort_by(|a, b| (a.address, !a.is_function, &a.name).cmp(&(b.address, !b.is_function, &b.name)));
+        Ok(Self {
+            segments,
+            symbols,
+            file,
+        })
     }
 
     /// All symbols, by address.
@@ -77,7 +82,11 @@ impl Elf {
     pub fn find(&self, path: &str) -> Result<&Symbol, ElfError> {
         let mut found: Vec<&Symbol> = self.symbols.iter().filter(|symbol| symbol.name == path).collect();
         if found.is_empty() {
-            found = self.symbols.iter().filter(|symbol| ends_with_path(&symbol.name, path)).collect();
+            found = self
+                .symbols
+                .iter()
+                .filter(|symbol| ends_with_path(&symbol.name, path))
+                .collect();
         }
         found.dedup_by_key(|symbol| symbol.address);
         match found.as_slice() {
@@ -94,21 +103,33 @@ impl Elf {
     pub fn function_at(&self, address: u32) -> Option<(&Symbol, u32)> {
         let address = address & !1;
         let behind = self.symbols.partition_point(|symbol| symbol.address <= address);
-        let symbol = self.symbols[..behind].iter().rev().find(|symbol| symbol.is_function)?;
+        let symbol = self.symbols[..behind]
+            .iter()
+            .rev()
+            .find(|symbol| symbol.is_function)?;
         let offset = address - symbol.address;
         (offset < symbol.size.max(1)).then_some((symbol, offset))
     }
 
     /// `function+0x12` for an address.
     pub fn name_of(&self, address: u32) -> Option<String> {
-        self.function_at(address).map(|(symbol, offset)| format!("{}+{offset:#x}", symbol.name))
+        self.function_at(address)
+            .map(|(symbol, offset)| format!("{}+{offset:#x}", symbol.name))
     }
 }
 
 fn named<'data>(symbol: &impl ObjectSymbol<'data>) -> Option<Symbol> {
-    let name = symbol.name().ok().filter(|name| !name.is_empty() && !name.starts_with('$'))?;
+    let name = symbol
+        .name()
+        .ok()
+        .filter(|name| !name.is_empty() && !name.starts_with('$'))?;
     let is_function = symbol.kind() == SymbolKind::Text;
-    if symbol.is_undefined() || !matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data | SymbolKind::Unknown) {
+    if symbol.is_undefined()
+        || !matches!(
+            symbol.kind(),
+            SymbolKind::Text | SymbolKind::Data | SymbolKind::Unknown
+        )
+    {
         return None;
     }
     let address = symbol.address() as u32;

@@ -50,13 +50,19 @@ impl Blocks {
     /// Marks the block that begins at an address.
     pub fn mark(&self, address: u32, mark: u16) {
         let cell = &self.0[Self::index(address)];
-        cell.set(Block { marks: cell.get().marks | mark, ..cell.get() });
+        cell.set(Block {
+            marks: cell.get().marks | mark,
+            ..cell.get()
+        });
     }
 
     /// Removes a mark.
     pub fn unmark(&self, address: u32, mark: u16) {
         let cell = &self.0[Self::index(address)];
-        cell.set(Block { marks: cell.get().marks & !mark, ..cell.get() });
+        cell.set(Block {
+            marks: cell.get().marks & !mark,
+            ..cell.get()
+        });
     }
 
     /// Whether a block has one of these marks.
@@ -69,7 +75,10 @@ impl Blocks {
         let first = Self::index(address).saturating_sub(LONGEST / 2);
         let last = (Self::index(address) + size as usize / 2).min(self.0.len() - 1);
         for cell in &self.0[first..=last] {
-            cell.set(Block { marks: cell.get().marks, ..Block::default() });
+            cell.set(Block {
+                marks: cell.get().marks,
+                ..Block::default()
+            });
         }
     }
 }
@@ -78,8 +87,10 @@ impl Blocks {
 const LONGEST: usize = 1024 + 2;
 
 fn measure(code: &[u8]) -> (u16, u16) {
-    let halfword =
-        |at: usize| code.get(at..at + 2).map_or(0, |bytes| u16::from_le_bytes([bytes[0], bytes[1]]));
+    let halfword = |at: usize| {
+        code.get(at..at + 2)
+            .map_or(0, |bytes| u16::from_le_bytes([bytes[0], bytes[1]]))
+    };
     let (mut at, mut instructions, mut cycles) = (0, 0, 0);
     while at < code.len() {
         let (first, second) = (halfword(at), halfword(at + 2));

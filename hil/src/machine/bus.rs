@@ -11,13 +11,7 @@ pub trait Bus {
     fn reset(&mut self, now: u64, cause: ResetCause);
 
     /// Reads a register of 0x4000_0000 to 0x5FFF_FFFF, or of the debug unit at 0xE004_2000.
-    fn read(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        memory: &mut dyn Memory,
-    ) -> Result<u32, Violation>;
+    fn read(&mut self, now: u64, address: u32, size: u32, memory: &mut dyn Memory) -> Result<u32, Violation>;
 
     /// Writes a register, see [`Bus::read`].
     fn write(

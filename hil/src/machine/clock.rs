@@ -92,7 +92,8 @@ impl Clock {
 
     /// The block is over: what it cost becomes time.
     pub fn finish_block(&self) -> u64 {
-        self.instructions.set(self.instructions.get() + self.block_instructions.replace(0));
+        self.instructions
+            .set(self.instructions.get() + self.block_instructions.replace(0));
         self.spend(self.block_cycles.replace(0))
     }
 
@@ -115,7 +116,8 @@ impl Clock {
     /// The processor stood still, its clock running, until `then`.
     pub fn stand_until(&self, then: u64) {
         let ticks = then.saturating_sub(self.now.get());
-        self.cycles.set(self.cycles.get() + ticks / self.ticks_per_cycle.get());
+        self.cycles
+            .set(self.cycles.get() + ticks / self.ticks_per_cycle.get());
         self.now.set(self.now.get() + ticks);
     }
 
@@ -123,7 +125,10 @@ impl Clock {
     pub fn must_stop(&self, now: u64, registers: &impl Registers) -> bool {
         now >= self.due.get()
             || self.attention.get()
-            || self.watched_masks.get().is_some_and(|masks| masks != registers.masks())
+            || self
+                .watched_masks
+                .get()
+                .is_some_and(|masks| masks != registers.masks())
     }
 
     /// Cycles of the free-running clock, which counts in sleep too.
@@ -136,7 +141,9 @@ impl Clock {
     pub fn when(&self, cycles: u64) -> u64 {
         let (then, counted) = self.reference.get();
         match cycles.checked_sub(counted) {
-            Some(more) => more.checked_mul(self.ticks_per_cycle.get()).map_or(NEVER, |ticks| then + ticks),
+            Some(more) => more
+                .checked_mul(self.ticks_per_cycle.get())
+                .map_or(NEVER, |ticks| then + ticks),
             None => then,
         }
     }
@@ -147,10 +154,5 @@ impl Clock {
             self.reference.set((self.now.get(), self.free_running()));
             self.ticks_per_cycle.set(ticks);
         }
-    }
-
-    /// Ticks of virtual time in one cycle.
-    pub fn ticks_per_cycle(&self) -> u64 {
-        self.ticks_per_cycle.get()
     }
 }

@@ -6,7 +6,11 @@
 
 /// Cycles of the instruction with these two halfwords; the second counts in wide ones only.
 pub(super) fn cycles(first: u16, second: u16) -> u64 {
-    if is_wide(first) { wide(first, second) } else { narrow(first) }
+    if is_wide(first) {
+        wide(first, second)
+    } else {
+        narrow(first)
+    }
 }
 
 /// Whether an instruction that begins with this halfword has two of them.

@@ -52,13 +52,18 @@ impl Registers for Unicorn<'_, ()> {
     }
 
     fn set(&mut self, register: RegisterARM, value: u32) {
-        self.reg_write(register, value.into()).expect("a register that a Cortex-M4 has");
+        self.reg_write(register, value.into())
+            .expect("a register that a Cortex-M4 has");
     }
 }
 
 /// Where the engine keeps what the processor sees at an address: flash is also seen at 0.
 pub(super) fn physical(address: u32) -> u32 {
-    if address < FLASH_SIZE { address | FLASH } else { address }
+    if address < FLASH_SIZE {
+        address | FLASH
+    } else {
+        address
+    }
 }
 
 fn within(address: u32, size: u32, start: u32, length: u32) -> bool {
@@ -93,7 +98,8 @@ pub(super) fn is_executable(address: u32) -> bool {
 pub(super) fn load(core: &Unicorn<'_, ()>, address: u32, bytes: &mut [u8]) -> bool {
     let there = is_memory(address, bytes.len() as u32);
     if there {
-        core.mem_read(physical(address).into(), bytes).expect("this memory is mapped");
+        core.mem_read(physical(address).into(), bytes)
+            .expect("this memory is mapped");
     }
     there
 }
@@ -102,7 +108,8 @@ pub(super) fn load(core: &Unicorn<'_, ()>, address: u32, bytes: &mut [u8]) -> bo
 pub(super) fn store(core: &mut Unicorn<'_, ()>, address: u32, bytes: &[u8]) -> bool {
     let there = is_memory(address, bytes.len() as u32);
     if there {
-        core.mem_write(physical(address).into(), bytes).expect("this memory is mapped");
+        core.mem_write(physical(address).into(), bytes)
+            .expect("this memory is mapped");
     }
     there
 }
@@ -123,7 +130,10 @@ pub(super) fn new() -> Result<Core, uc_error> {
     core.mem_map(SYSTEM.into(), SYSTEM_SIZE.into(), Prot::READ)?;
     core.mem_write(FLASH.into(), &vec![0xFF; FLASH_SIZE as usize])?;
     core.mem_write(UNIQUE_ID.into(), b"windhover-id")?;
-    core.mem_write(FLASH_KIBIBYTES.into(), &((FLASH_SIZE / 1024) as u16).to_le_bytes())?;
+    core.mem_write(
+        FLASH_KIBIBYTES.into(),
+        &((FLASH_SIZE / 1024) as u16).to_le_bytes(),
+    )?;
     scramble(&mut core);
     Ok(core)
 }
@@ -154,7 +164,11 @@ pub(super) fn set_rights(core: &mut Core, clock: Rc<Clock>) -> Result<(), uc_err
         }
         Some(TlbEntry {
             paddr: physical(address).into(),
-            perms: if executable { Prot::ALL } else { Prot::READ | Prot::WRITE },
+            perms: if executable {
+                Prot::ALL
+            } else {
+                Prot::READ | Prot::WRITE
+            },
         })
     })?;
     Ok(())
@@ -194,7 +208,12 @@ pub(super) fn watch_accesses(
 pub(super) fn reset(core: &mut Core) {
     // In handler mode every register may be written.
     core.set(RegisterARM::IPSR, 3);
-    for register in [RegisterARM::PRIMASK, RegisterARM::FAULTMASK, RegisterARM::BASEPRI, RegisterARM::FPSCR] {
+    for register in [
+        RegisterARM::PRIMASK,
+        RegisterARM::FAULTMASK,
+        RegisterARM::BASEPRI,
+        RegisterARM::FPSCR,
+    ] {
         core.set(register, 0);
     }
     core.set(RegisterARM::CONTROL, 0);

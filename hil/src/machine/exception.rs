@@ -61,6 +61,7 @@ impl<B: Bus + 'static> Machine<B> {
     /// Takes an exception: pushes the frame and begins the handler. If the frame cannot be
     /// pushed, the fault of that goes first where it is the more urgent of the two.
     pub(super) fn enter(&mut self, number: usize) {
+        self.account();
         let priority = self.execution_priority();
         let (pushed, exc_return) = self.push_frame();
         let mut number = number;
@@ -76,6 +77,7 @@ impl<B: Bus + 'static> Machine<B> {
                 }
             }
         }
+        self.begin_level();
         self.clock.spend(ENTRY);
         self.begin_handler(number, exc_return);
     }
@@ -123,14 +125,13 @@ impl<B: Bus + 'static> Machine<B> {
             control.exceptions.take(number);
             control.fpdscr
         };
-        self.account();
-        self.begin_level();
         self.current = number;
         let control = self.core.get(RegisterARM::CONTROL);
         self.core.set(RegisterARM::CONTROL, control | FPCA);
         self.core.set(RegisterARM::FPSCR, fpdscr);
         self.core.set(RegisterARM::IPSR, number as u32);
-        self.core.set(RegisterARM::EPSR, if vector & 1 != 0 { THUMB } else { 0 });
+        self.core
+            .set(RegisterARM::EPSR, if vector & 1 != 0 { THUMB } else { 0 });
         self.core.set(RegisterARM::LR, exc_return);
         self.core.set(RegisterARM::PC, vector);
         self.rebuild_flags();
@@ -165,31 +166,37 @@ impl<B: Bus + 'static> Machine<B> {
         let number = self.current;
         let valid = self.is_valid_return(exc_return);
         self.system.borrow_mut().control.exceptions.complete(number);
-        self.account();
-        self.end_level();
         if number != NMI {
             self.core.set(RegisterARM::FAULTMASK, 0);
         }
+        let priority = self.execution_priority();
+        let next = self
+            .system
+            .borrow()
+            .control
+            .exceptions
+            .preempting(priority)
+            .filter(|_| valid);
+        self.clock.spend(if next.is_some() { TAIL_CHAIN } else { EXIT });
+        self.account();
+        self.end_level();
         if !valid {
             return self.fault_on_return(Fault::InvalidReturn, exc_return | 0xF000_0000);
         }
-        let priority = self.execution_priority();
-        let next = self.system.borrow().control.exceptions.preempting(priority);
         if let Some(next) = next {
-            self.clock.spend(TAIL_CHAIN);
+            self.begin_level();
             return self.begin_handler(next, exc_return);
         }
-        match self.pop_frame(exc_return) {
-            Ok(()) => {}
-            Err(fault) => return self.fault_on_return(fault, exc_return),
+        if let Err(fault) = self.pop_frame(exc_return) {
+            return self.fault_on_return(fault, exc_return);
         }
         self.clock.event.set(true);
-        self.clock.spend(EXIT);
         let sleeps = self.system.borrow().control.scr & scr::SLEEP_ON_EXIT != 0;
         if self.current == 0 && sleeps {
             self.state = State::AsleepForInterrupt;
         }
-        self.trace.note(self.clock.now.get(), self.current, self.core.get(RegisterARM::PC));
+        self.trace
+            .note(self.clock.now.get(), self.current, self.core.get(RegisterARM::PC));
     }
 
     fn is_valid_return(&self, exc_return: u32) -> bool {
@@ -209,6 +216,7 @@ impl<B: Bus + 'static> Machine<B> {
     fn fault_on_return(&mut self, fault: Fault, exc_return: u32) {
         let priority = self.execution_priority();
         let number = fault.note(&mut self.system.borrow_mut().control, priority);
+        self.begin_level();
         match number {
             Some(number) => self.begin_handler(number, exc_return),
             None => self.lock_up(),
@@ -217,8 +225,16 @@ impl<B: Bus + 'static> Machine<B> {
 
     fn pop_frame(&mut self, exc_return: u32) -> Result<(), Fault> {
         let process = exc_return & FROM_PROCESS_STACK != 0;
-        let words = if exc_return & SHORT != 0 { SHORT_FRAME } else { LONG_FRAME };
-        let sp = self.core.get(if process { RegisterARM::PSP } else { RegisterARM::MSP });
+        let words = if exc_return & SHORT != 0 {
+            SHORT_FRAME
+        } else {
+            LONG_FRAME
+        };
+        let sp = self.core.get(if process {
+            RegisterARM::PSP
+        } else {
+            RegisterARM::MSP
+        });
         let mut frame = [0; LONG_FRAME];
         for (i, word) in frame[..words].iter_mut().enumerate() {
             let address = sp.wrapping_add(4 * i as u32);
@@ -231,11 +247,16 @@ impl<B: Bus + 'static> Machine<B> {
         self.core.set(RegisterARM::IPSR, status & EXCEPTION);
         let thread_on_process_stack = process && exc_return & TO_THREAD != 0;
         let control = self.core.get(RegisterARM::CONTROL) & !SPSEL | FPCA;
-        self.core.set(RegisterARM::CONTROL, control | if thread_on_process_stack { SPSEL } else { 0 });
+        self.core.set(
+            RegisterARM::CONTROL,
+            control | if thread_on_process_stack { SPSEL } else { 0 },
+        );
         if words == LONG_FRAME {
             for (pair, register) in frame[FIRST_FLOAT..FLOAT_STATUS].chunks_exact(2).zip(FLOATS) {
                 let double = u64::from(pair[0]) | u64::from(pair[1]) << 32;
-                self.core.reg_write(register, double).expect("a Cortex-M4F has it");
+                self.core
+                    .reg_write(register, double)
+                    .expect("a Cortex-M4F has it");
             }
             self.core.set(RegisterARM::FPSCR, frame[FLOAT_STATUS]);
         }
@@ -243,9 +264,13 @@ impl<B: Bus + 'static> Machine<B> {
             self.core.set(register, word);
         }
         let realigned = if status & REALIGNED != 0 { 4 } else { 0 };
-        self.core.set(RegisterARM::SP, sp.wrapping_add(4 * words as u32) | realigned);
+        self.core
+            .set(RegisterARM::SP, sp.wrapping_add(4 * words as u32) | realigned);
         self.core.set(RegisterARM::XPSR_NZCVQG, status);
-        self.core.set(RegisterARM::PC, frame[RETURN_ADDRESS] | u32::from(status & THUMB != 0));
+        self.core.set(
+            RegisterARM::PC,
+            frame[RETURN_ADDRESS] | u32::from(status & THUMB != 0),
+        );
         self.core.set(RegisterARM::APSR_NZCV, status);
         self.current = (status & EXCEPTION) as usize;
         Ok(())
@@ -269,6 +294,10 @@ impl<B: Bus + 'static> Machine<B> {
     }
 
     pub(super) fn execution_priority(&self) -> i16 {
-        self.system.borrow().control.exceptions.execution_priority(self.core.masks())
+        self.system
+            .borrow()
+            .control
+            .exceptions
+            .execution_priority(self.core.masks())
     }
 }

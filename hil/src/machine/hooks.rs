@@ -48,12 +48,20 @@ fn install_registers<B: Bus + 'static>(
         size,
         Some(move |core: &mut Unicorn<'_, ()>, offset: u64, size: usize| {
             let address = base + offset as u32;
-            u64::from(system_read.borrow_mut().read(core, &clock_read, address, size as u32))
+            u64::from(
+                system_read
+                    .borrow_mut()
+                    .read(core, &clock_read, address, size as u32),
+            )
         }),
-        Some(move |core: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
-            let address = base + offset as u32;
-            system_write.borrow_mut().write(core, &clock_write, address, size as u32, value as u32);
-        }),
+        Some(
+            move |core: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
+                let address = base + offset as u32;
+                system_write
+                    .borrow_mut()
+                    .write(core, &clock_write, address, size as u32, value as u32);
+            },
+        ),
     )
 }
 

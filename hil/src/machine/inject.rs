@@ -1,9 +1,9 @@
 //! What a test does to the program from outside: a function stalls, control goes elsewhere.
 
+use super::Machine;
 use super::blocks::{MARK_ENTRY, MARK_INJECTION, MARK_RETURN};
 use super::bus::Bus;
 use super::engine::Registers;
-use super::Machine;
 use crate::elf::{Elf, ElfError};
 use std::fmt;
 use unicorn_engine::RegisterARM;
@@ -70,7 +70,10 @@ pub(super) struct Injections {
 
 impl fmt::Debug for Injections {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Injections").field("planned", &self.planned.len()).field("spinning", &self.spinning).finish()
+        f.debug_struct("Injections")
+            .field("planned", &self.planned.len())
+            .field("spinning", &self.spinning)
+            .finish()
     }
 }
 
@@ -121,7 +124,11 @@ impl<B: Bus + 'static> Machine<B> {
     fn plan(&mut self, place: Target, action: Action) -> Result<(), ElfError> {
         let address = place.resolve(&self.elf)?;
         self.blocks.mark(address, MARK_INJECTION);
-        self.injections.planned.push(Injection { address, arrivals: 0, action });
+        self.injections.planned.push(Injection {
+            address,
+            arrivals: 0,
+            action,
+        });
         Ok(())
     }
 
@@ -167,7 +174,12 @@ impl<B: Bus + 'static> Machine<B> {
                 }
             }
         });
-        if self.injections.planned.iter().all(|injection| injection.address != address) {
+        if self
+            .injections
+            .planned
+            .iter()
+            .all(|injection| injection.address != address)
+        {
             self.blocks.unmark(address, MARK_INJECTION);
         }
     }

@@ -17,7 +17,12 @@ pub struct Load {
 
 impl Default for Load {
     fn default() -> Self {
-        Self { by_exception: [0; EXCEPTIONS], asleep: 0, locked_up: 0, accounted: 0 }
+        Self {
+            by_exception: [0; EXCEPTIONS],
+            asleep: 0,
+            locked_up: 0,
+            accounted: 0,
+        }
     }
 }
 

@@ -48,7 +48,7 @@ use probe::Probes;
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 use std::sync::Arc;
-use system::{CoreMemory, Shared, System};
+use system::{Shared, System};
 use unicorn_engine::RegisterARM;
 
 /// What the processor is doing.
@@ -117,7 +117,10 @@ impl<B: Bus + 'static> Machine<B> {
         for (address, bytes) in &elf.segments {
             let size = bytes.len();
             if !engine::is_flash(*address, size as u32) {
-                return Err(MachineError::Segment { address: *address, size });
+                return Err(MachineError::Segment {
+                    address: *address,
+                    size,
+                });
             }
             engine::store(&mut core, *address, bytes);
             hooks::watch_send_event(&mut core, &clock, *address, bytes).map_err(failed)?;

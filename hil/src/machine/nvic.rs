@@ -171,7 +171,8 @@ impl Exceptions {
 
     /// The pending exception that preempts execution at this priority.
     pub fn preempting(&self, priority: i16) -> Option<usize> {
-        self.first_pending().filter(|&number| self.preemption_priority(number) < priority)
+        self.first_pending()
+            .filter(|&number| self.preemption_priority(number) < priority)
     }
 
     /// 32 interrupts of a register of the NVIC from the given one on.
@@ -221,7 +222,11 @@ fn members(mut set: u128) -> impl Iterator<Item = usize> {
 mod tests {
     use super::*;
 
-    const OPEN: Masks = Masks { primask: false, faultmask: false, basepri: 0 };
+    const OPEN: Masks = Masks {
+        primask: false,
+        faultmask: false,
+        basepri: 0,
+    };
 
     fn with(interrupts: &[(usize, u8)]) -> Exceptions {
         let mut exceptions = Exceptions::new();
@@ -300,8 +305,26 @@ mod tests {
         let exceptions = Exceptions::new();
         let at = |masks| exceptions.execution_priority(masks);
         assert_eq!(at(OPEN), THREAD_PRIORITY);
-        assert_eq!(at(Masks { basepri: 0x50, ..OPEN }), 0x50);
-        assert_eq!(at(Masks { primask: true, ..OPEN }), 0);
-        assert_eq!(at(Masks { faultmask: true, ..OPEN }), -1);
+        assert_eq!(
+            at(Masks {
+                basepri: 0x50,
+                ..OPEN
+            }),
+            0x50
+        );
+        assert_eq!(
+            at(Masks {
+                primask: true,
+                ..OPEN
+            }),
+            0
+        );
+        assert_eq!(
+            at(Masks {
+                faultmask: true,
+                ..OPEN
+            }),
+            -1
+        );
     }
 }

@@ -1,10 +1,10 @@
 //! Counts what the calls of a function cost, without the exceptions that preempt them.
 
+use super::Machine;
 use super::blocks::{MARK_ENTRY, MARK_RETURN};
 use super::bus::Bus;
 use super::engine::Registers;
 use super::inject::Target;
-use super::Machine;
 use crate::elf::ElfError;
 use unicorn_engine::RegisterARM;
 
@@ -68,11 +68,17 @@ struct Cost {
 
 impl Cost {
     fn since(self, earlier: Self) -> Self {
-        Self { instructions: self.instructions - earlier.instructions, cycles: self.cycles - earlier.cycles }
+        Self {
+            instructions: self.instructions - earlier.instructions,
+            cycles: self.cycles - earlier.cycles,
+        }
     }
 
     fn plus(self, more: Self) -> Self {
-        Self { instructions: self.instructions + more.instructions, cycles: self.cycles + more.cycles }
+        Self {
+            instructions: self.instructions + more.instructions,
+            cycles: self.cycles + more.cycles,
+        }
     }
 }
 
@@ -119,7 +125,10 @@ impl<B: Bus + 'static> Machine<B> {
     }
 
     fn total(&self) -> Cost {
-        Cost { instructions: self.clock.instructions.get(), cycles: self.clock.cycles.get() }
+        Cost {
+            instructions: self.clock.instructions.get(),
+            cycles: self.clock.cycles.get(),
+        }
     }
 
     fn own(&self) -> Cost {
@@ -151,10 +160,20 @@ impl<B: Bus + 'static> Machine<B> {
     /// A probed function begins.
     pub(super) fn enter_function(&mut self, address: u32) {
         let return_address = self.core.get(RegisterARM::LR) & !1;
-        let (sp, level, start) = (self.core.get(RegisterARM::SP), self.probes.preempted.len(), self.own());
+        let (sp, level, start) = (
+            self.core.get(RegisterARM::SP),
+            self.probes.preempted.len(),
+            self.own(),
+        );
         for probe in 0..self.probes.functions.len() {
             if self.probes.functions[probe].0 == address {
-                self.probes.calls.push(Call { probe, level, return_address, sp, start });
+                self.probes.calls.push(Call {
+                    probe,
+                    level,
+                    return_address,
+                    sp,
+                    start,
+                });
             }
         }
         if return_address < 0xFFFF_FFE0 {
@@ -176,7 +195,12 @@ impl<B: Bus + 'static> Machine<B> {
     }
 
     fn unmark_return(&mut self, address: u32) {
-        if self.probes.calls.iter().all(|call| call.return_address != address) {
+        if self
+            .probes
+            .calls
+            .iter()
+            .all(|call| call.return_address != address)
+        {
             self.blocks.unmark(address, MARK_RETURN);
         }
     }

@@ -41,9 +41,9 @@ impl<B: Bus + 'static> Machine<B> {
     }
 
     fn let_things_happen(&mut self) -> Result<(), Stop> {
-        self.clock.attention.set(false);
         self.with_system(|system, core, clock| system.advance(core, clock));
         self.program_flash();
+        self.clock.attention.set(false);
         let (violation, reset) = {
             let mut system = self.system.borrow_mut();
             system.control.exceptions.changed = false;
@@ -60,7 +60,10 @@ impl<B: Bus + 'static> Machine<B> {
     }
 
     fn violated(&self, violation: Violation) -> Stop {
-        Stop::Violation { violation, place: Box::new(self.place(self.clock.block.get())) }
+        Stop::Violation {
+            violation,
+            place: Box::new(self.place(self.clock.block.get())),
+        }
     }
 
     fn here(&self) -> Box<super::Place> {
@@ -97,7 +100,11 @@ impl<B: Bus + 'static> Machine<B> {
             self.clock.watched_masks.set(Some(masks));
         }
         // WFI ends also for what only PRIMASK holds back.
-        let wakes = preempting(Masks { basepri: masks.basepri, ..Masks::default() }).is_some();
+        let wakes = preempting(Masks {
+            basepri: masks.basepri,
+            ..Masks::default()
+        })
+        .is_some();
         if wakes && self.state == State::AsleepForInterrupt {
             self.wake();
         }
@@ -140,9 +147,12 @@ impl<B: Bus + 'static> Machine<B> {
         Ok(())
     }
 
+    fn is_thumb(&self) -> bool {
+        self.core.get(RegisterARM::EPSR) & THUMB != 0
+    }
+
     fn execute(&mut self) -> Result<(), Stop> {
-        let thumb = self.core.get(RegisterARM::EPSR) & THUMB != 0;
-        let start = self.core.get(RegisterARM::PC) | u32::from(thumb);
+        let start = self.core.get(RegisterARM::PC) | u32::from(self.is_thumb());
         self.clock.cause.set(Cause::Unsaid);
         let result = self.core.emu_start(start.into(), 0, 0, 0);
         let cause = self.clock.cause.get();
@@ -150,9 +160,10 @@ impl<B: Bus + 'static> Machine<B> {
             self.clock.finish_block();
         }
         match (cause, result) {
-            (Cause::Unsaid, Err(error)) => {
-                Err(Stop::Engine { error: format!("{error:?}"), place: self.here() })
-            }
+            (Cause::Unsaid, Err(error)) => Err(Stop::Engine {
+                error: format!("{error:?}"),
+                place: self.here(),
+            }),
             (cause, _) => self.answer(cause),
         }
     }
@@ -161,7 +172,14 @@ impl<B: Bus + 'static> Machine<B> {
         match cause {
             Cause::Boundary | Cause::Refused => {}
             Cause::Mark(address) => self.reach(address),
-            Cause::Unsaid if self.core.get(RegisterARM::PC) == 0 => self.fault(Fault::Undefined),
+            // At address 0 the engine stops, or looks before it.
+            Cause::Unsaid | Cause::Fetch(_) if self.core.get(RegisterARM::PC) == 0 => {
+                self.fault(if self.is_thumb() {
+                    Fault::Undefined
+                } else {
+                    Fault::InvalidState
+                });
+            }
             Cause::Unsaid => return self.fall_asleep(State::AsleepForInterrupt),
             Cause::WaitForEvent => return self.fall_asleep(State::AsleepForEvent),
             Cause::ExceptionReturn => self.leave(),
@@ -182,7 +200,10 @@ impl<B: Bus + 'static> Machine<B> {
     fn fall_asleep(&mut self, state: State) -> Result<(), Stop> {
         if self.system.borrow().control.scr & scr::SLEEP_DEEP != 0 {
             let what = "Stop and Standby (SLEEPDEEP) are not modelled".into();
-            return Err(self.violated(Violation::Misuse { peripheral: "power control", what }));
+            return Err(self.violated(Violation::Misuse {
+                peripheral: "power control",
+                what,
+            }));
         }
         self.account();
         self.state = state;
@@ -192,7 +213,13 @@ impl<B: Bus + 'static> Machine<B> {
     fn call_supervisor(&mut self) {
         use super::nvic::SV_CALL;
         let priority = self.execution_priority();
-        let callable = self.system.borrow().control.exceptions.preemption_priority(SV_CALL) < priority;
+        let callable = self
+            .system
+            .borrow()
+            .control
+            .exceptions
+            .preemption_priority(SV_CALL)
+            < priority;
         if callable {
             self.system.borrow_mut().control.exceptions.pend(SV_CALL);
         } else {

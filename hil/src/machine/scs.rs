@@ -3,8 +3,8 @@
 
 use super::clock::Clock;
 use super::nvic::{
-    BUS_FAULT, Exceptions, FIRST_INTERRUPT, INTERRUPTS, MEM_MANAGE, NMI, PEND_SV, SV_CALL,
-    SYS_TICK, Set, USAGE_FAULT,
+    BUS_FAULT, Exceptions, FIRST_INTERRUPT, INTERRUPTS, MEM_MANAGE, NMI, PEND_SV, SV_CALL, SYS_TICK, Set,
+    USAGE_FAULT,
 };
 use super::systick::SysTick;
 use crate::violation::Violation;
@@ -79,9 +79,15 @@ impl SystemControl {
 
     /// Reads a register or a part of one.
     pub fn read(&mut self, address: u32, size: u32, active: usize, clock: &Clock) -> Result<u32, Violation> {
-        let word = self.read_word(address & !3, active, clock).ok_or_else(|| unknown(address, "read"))?;
+        let word = self
+            .read_word(address & !3, active, clock)
+            .ok_or_else(|| unknown(address, "read"))?;
         let part = word >> (8 * (address & 3));
-        Ok(if size < 4 { part & ((1 << (8 * size)) - 1) } else { part })
+        Ok(if size < 4 {
+            part & ((1 << (8 * size)) - 1)
+        } else {
+            part
+        })
     }
 
     fn read_word(&mut self, address: u32, active: usize, clock: &Clock) -> Option<u32> {
@@ -128,7 +134,9 @@ impl SystemControl {
     }
 
     fn read_priorities(&self, address: u32) -> u32 {
-        u32::from_le_bytes(std::array::from_fn(|i| self.exceptions.priority(numbered(address + i as u32))))
+        u32::from_le_bytes(std::array::from_fn(|i| {
+            self.exceptions.priority(numbered(address + i as u32))
+        }))
     }
 
     fn interrupt_state(&self, active: usize) -> u32 {
@@ -143,9 +151,24 @@ impl SystemControl {
     }
 
     fn handler_state(&self) -> u32 {
-        let active = [(MEM_MANAGE, 0), (BUS_FAULT, 1), (USAGE_FAULT, 3), (SV_CALL, 7), (PEND_SV, 10), (SYS_TICK, 11)];
-        let pending = [(USAGE_FAULT, 12), (MEM_MANAGE, 13), (BUS_FAULT, 14), (SV_CALL, 15)];
-        active.iter().map(|&(number, bit)| u32::from(self.exceptions.is_active(number)) << bit).sum::<u32>()
+        let active = [
+            (MEM_MANAGE, 0),
+            (BUS_FAULT, 1),
+            (USAGE_FAULT, 3),
+            (SV_CALL, 7),
+            (PEND_SV, 10),
+            (SYS_TICK, 11),
+        ];
+        let pending = [
+            (USAGE_FAULT, 12),
+            (MEM_MANAGE, 13),
+            (BUS_FAULT, 14),
+            (SV_CALL, 15),
+        ];
+        active
+            .iter()
+            .map(|&(number, bit)| u32::from(self.exceptions.is_active(number)) << bit)
+            .sum::<u32>()
             | pending
                 .iter()
                 .map(|&(number, bit)| u32::from(self.exceptions.is_pending(number)) << bit)
@@ -179,7 +202,9 @@ impl SystemControl {
             return Ok(());
         }
         if size != 4 {
-            return Err(misuse(format!("write of {size} bytes to the word at {address:#010x}")));
+            return Err(misuse(format!(
+                "write of {size} bytes to the word at {address:#010x}"
+            )));
         }
         self.write_word(address, value, clock)
     }
@@ -229,7 +254,11 @@ impl SystemControl {
     }
 
     fn set_cycle_count(&mut self, count: u32, clock: &Clock) {
-        self.cycle_offset = if self.counts_cycles() { count.wrapping_sub(clock.cycles.get() as u32) } else { count };
+        self.cycle_offset = if self.counts_cycles() {
+            count.wrapping_sub(clock.cycles.get() as u32)
+        } else {
+            count
+        };
     }
 
     fn set_interrupt_state(&mut self, value: u32) {
@@ -258,7 +287,9 @@ impl SystemControl {
     fn set_configuration(&mut self, value: u32) -> Result<(), Violation> {
         // DIV_0_TRP and UNALIGN_TRP: the engine would not trap
         if value & 0x18 != 0 {
-            return Err(misuse(format!("CCR = {value:#x} sets a trap that this machine does not have")));
+            return Err(misuse(format!(
+                "CCR = {value:#x} sets a trap that this machine does not have"
+            )));
         }
         self.ccr = value & 0x303;
         Ok(())
@@ -289,9 +320,16 @@ fn numbered(address: u32) -> usize {
 }
 
 fn unknown(address: u32, access: &'static str) -> Violation {
-    Violation::UnknownRegister { peripheral: NAME, address, access }
+    Violation::UnknownRegister {
+        peripheral: NAME,
+        address,
+        access,
+    }
 }
 
 fn misuse(what: String) -> Violation {
-    Violation::Misuse { peripheral: NAME, what }
+    Violation::Misuse {
+        peripheral: NAME,
+        what,
+    }
 }

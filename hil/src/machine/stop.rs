@@ -26,7 +26,13 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = |name: &Option<String>| name.clone().unwrap_or_else(|| "nowhere known".into());
-        write!(f, "at {:.6} s, pc {:#010x} in {}", self.time as f64 / SECOND as f64, self.pc, name(&self.function))?;
+        write!(
+            f,
+            "at {:.6} s, pc {:#010x} in {}",
+            self.time as f64 / SECOND as f64,
+            self.pc,
+            name(&self.function)
+        )?;
         write!(f, ", lr {:#010x} in {}", self.lr, name(&self.caller))?;
         if self.exception != 0 {
             write!(f, ", handling exception {}", self.exception)?;

@@ -43,7 +43,10 @@ impl<B: Bus> System<B> {
     pub fn advance(&mut self, core: &mut Unicorn<'_, ()>, clock: &Clock) {
         let now = clock.now.get();
         if now >= self.bus.next_event() {
-            let mut memory = CoreMemory { core, flash_writes: &mut self.flash_writes };
+            let mut memory = CoreMemory {
+                core,
+                flash_writes: &mut self.flash_writes,
+            };
             if let Err(violation) = self.bus.advance(now, &mut memory) {
                 self.violation.get_or_insert(violation);
             }
@@ -58,11 +61,15 @@ impl<B: Bus> System<B> {
             self.control.exceptions.pend(SYS_TICK);
         }
         self.control.exceptions.set_lines(self.bus.interrupts());
-        if std::mem::take(&mut self.control.exceptions.newly_pending) && self.control.scr & scr::SEV_ON_PEND != 0 {
+        if std::mem::take(&mut self.control.exceptions.newly_pending)
+            && self.control.scr & scr::SEV_ON_PEND != 0
+        {
             clock.event.set(true);
         }
         let systick = clock.when(self.control.systick.next());
-        clock.due.set(self.bus.next_event().min(systick).min(self.horizon));
+        clock
+            .due
+            .set(self.bus.next_event().min(systick).min(self.horizon));
         if self.control.exceptions.changed
             || self.control.reset_requested
             || self.violation.is_some()
@@ -79,7 +86,10 @@ impl<B: Bus> System<B> {
             let active = core.get(RegisterARM::IPSR) as usize;
             self.control.read(address, size, active, clock)
         } else {
-            let mut memory = CoreMemory { core, flash_writes: &mut self.flash_writes };
+            let mut memory = CoreMemory {
+                core,
+                flash_writes: &mut self.flash_writes,
+            };
             self.bus.read(clock.now.get(), address, size, &mut memory)
         };
         let value = result.unwrap_or_else(|violation| {
@@ -95,7 +105,10 @@ impl<B: Bus> System<B> {
         let result = if is_private(address) {
             self.control.write(address, size, value, clock)
         } else {
-            let mut memory = CoreMemory { core, flash_writes: &mut self.flash_writes };
+            let mut memory = CoreMemory {
+                core,
+                flash_writes: &mut self.flash_writes,
+            };
             self.bus.write(clock.now.get(), address, size, value, &mut memory)
         };
         if let Err(violation) = result {
@@ -116,7 +129,8 @@ impl<B: Bus> System<B> {
         let mut memory = CoreMemory { core, flash_writes: &mut self.flash_writes };
         match self.bus.store_to_flash(clock.now.get(), address, size, value, &mut memory) {
             Ok(value) => {
-                self.flash_writes.push((address, value.to_le_bytes()[..size as usize].to_vec()));
+                self.flash_writes
+                    .push((address, value.to_le_bytes()[..size as usize].to_vec()));
                 self.settle(clock);
                 true
             }

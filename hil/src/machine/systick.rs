@@ -47,7 +47,11 @@ impl SysTick {
 
     /// Cycle at which it will demand its exception.
     pub fn next(&self) -> u64 {
-        if self.running() && self.reload != 0 && self.control & TICKINT != 0 { self.zero } else { NEVER }
+        if self.running() && self.reload != 0 && self.control & TICKINT != 0 {
+            self.zero
+        } else {
+            NEVER
+        }
     }
 
     fn value(&self, cycle: u64) -> u32 {
@@ -66,7 +70,12 @@ impl SysTick {
 
     /// `SYST_CSR`; reading clears COUNTFLAG.
     pub fn read_control(&mut self) -> u32 {
-        self.control | if std::mem::take(&mut self.counted_to_zero) { COUNTFLAG } else { 0 }
+        self.control
+            | if std::mem::take(&mut self.counted_to_zero) {
+                COUNTFLAG
+            } else {
+                0
+            }
     }
 
     pub fn write_control(&mut self, cycle: u64, value: u32) {
