@@ -117,9 +117,9 @@ pub struct MotorParts {
 pub fn take() -> Board {
     static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
     static SENT: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
+    stm32f405::set_brown_out_level_3();
     let p = embassy_stm32::init(stm32f405::config());
     stm32f405::count_cycles();
-    stm32f405::set_brown_out_level_3();
     let mut bus = spi::Config::default();
     bus.mode = spi::MODE_3;
     bus.frequency = Hertz(10_500_000);

@@ -75,7 +75,8 @@ pub fn count_cycles() {
 }
 
 /// Sets the brown-out reset to level 3, 2.7 V, once and for all: below it flash and processor are
-/// out of their range while the supply collapses.
+/// out of their range while the supply collapses. To be called before clocks are set up: while
+/// option bytes are written the processor stands still, and the time driver would lose periods.
 pub fn set_brown_out_level_3() {
     /// `BOR_LEV` of level 3 (RM0090, 3.9.10).
     const LEVEL_3: u8 = 0;

@@ -126,8 +126,14 @@ impl<B: Bus> System<B> {
         size: u32,
         value: u32,
     ) -> bool {
-        let mut memory = CoreMemory { core, flash_writes: &mut self.flash_writes };
-        match self.bus.store_to_flash(clock.now.get(), address, size, value, &mut memory) {
+        let mut memory = CoreMemory {
+            core,
+            flash_writes: &mut self.flash_writes,
+        };
+        match self
+            .bus
+            .store_to_flash(clock.now.get(), address, size, value, &mut memory)
+        {
             Ok(value) => {
                 self.flash_writes
                     .push((address, value.to_le_bytes()[..size as usize].to_vec()));
