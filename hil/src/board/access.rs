@@ -1,12 +1,13 @@
 //! Accesses of the processor to registers: who is meant, whether it can be reached, and what else
 //! a write changes.
 
-use super::chip::{Chip, Outside, slot};
+use super::chip::{Chip, Outside};
 use super::gpio;
 use super::identity;
 use super::map::{self, Unit};
 use super::rcc::Rcc;
 use super::refusal::{Answer, misuse};
+use super::slots::slot;
 use crate::violation::Violation;
 
 /// Registers' offsets in a block, without the byte in the word.

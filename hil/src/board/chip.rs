@@ -12,6 +12,7 @@ use super::map::{Bus, Unit};
 use super::pins::Output;
 use super::pwr::Pwr;
 use super::rcc::Rcc;
+use super::slots::{SLOTS, slot};
 use super::spi::Spi;
 use super::syscfg::Syscfg;
 use super::timer::Timer;
@@ -26,9 +27,6 @@ pub(super) struct Outside<'a> {
     pub wiring: &'a mut dyn Wiring,
     pub memory: &'a mut dyn Memory,
 }
-
-/// Places for what [`Chip`] remembers of each peripheral.
-pub(super) const SLOTS: usize = 25;
 
 pub(super) struct Chip {
     pub rcc: Rcc,
@@ -202,24 +200,4 @@ impl Chip {
             .check(self.flash.wait_states(), self.pwr.scale_1())
             .map_err(|refusal| refusal.during(Unit::Rcc.name()))
     }
-}
-
-/// The bit of a peripheral in [`Chip::changed`]: zero for those with neither events nor interrupts.
-pub(super) fn slot(unit: Unit) -> u32 {
-    slot_index(unit).map_or(0, |index| 1 << index)
-}
-
-/// The place of a peripheral in [`Chip::next_events`] and [`Chip::lines`].
-pub(super) fn slot_index(unit: Unit) -> Option<usize> {
-    Some(match unit {
-        Unit::Timer(index) => index,
-        Unit::Usart(index) => 14 + index,
-        Unit::Spi1 => 18,
-        Unit::Dma(index) => 19 + index,
-        Unit::Exti => 21,
-        Unit::Rcc => 22,
-        Unit::Flash => 23,
-        Unit::Iwdg => 24,
-        _ => return None,
-    })
 }

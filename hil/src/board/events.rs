@@ -1,38 +1,14 @@
 //! What happens by itself: events at their time, and the transfers of DMA that they ask for.
 
-use super::chip::{Chip, Outside, SLOTS, slot};
+use super::chip::{Chip, Outside};
 use super::dma::requests::Request;
 use super::map::Unit;
 use super::refusal::Answer;
-use super::timer::kinds::TIMERS;
+use super::slots::{SLOTS, UNITS, slot};
 use super::usart::PORTS;
 use super::{Inputs, ResetCause};
 use crate::time::NEVER;
 use crate::violation::Violation;
-
-/// The peripherals that have events or interrupts, each at its place in [`Chip::next_events`].
-const UNITS: [Unit; SLOTS] = units();
-
-const fn units() -> [Unit; SLOTS] {
-    let mut units = [Unit::Iwdg; SLOTS];
-    let mut timer = 0;
-    while timer < TIMERS.len() {
-        units[timer] = Unit::Timer(timer);
-        timer += 1;
-    }
-    let mut port = 0;
-    while port < PORTS.len() {
-        units[TIMERS.len() + port] = Unit::Usart(port);
-        port += 1;
-    }
-    units[18] = Unit::Spi1;
-    units[19] = Unit::Dma(0);
-    units[20] = Unit::Dma(1);
-    units[21] = Unit::Exti;
-    units[22] = Unit::Rcc;
-    units[23] = Unit::Flash;
-    units
-}
 
 impl Chip {
     /// Lets everything happen that is due now, here and outside.

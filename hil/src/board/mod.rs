@@ -22,6 +22,7 @@ mod pins;
 mod pwr;
 mod rcc;
 mod refusal;
+mod slots;
 mod spi;
 mod syscfg;
 mod timer;

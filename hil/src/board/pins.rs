@@ -2,8 +2,9 @@
 //! switched to the peripheral that uses it.
 
 use super::alternate::{self, ROUTES, Signal};
-use super::chip::{Chip, slot};
+use super::chip::Chip;
 use super::map::Unit;
+use super::slots::slot;
 use super::usart::PORTS;
 use super::wiring::{Inputs, Pin, Wiring};
 use crate::violation::Violation;

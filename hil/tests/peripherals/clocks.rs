@@ -274,3 +274,15 @@ fn an_external_clock_instead_of_the_crystal_is_refused() {
     let mut bench = Bench::new();
     assert_says(&bench.refused(RCC_CR, HSION | 1 << 18), "crystal");
 }
+
+// 7.3.3: SW
+#[test]
+fn the_fourth_source_of_the_system_clock_does_not_exist() {
+    assert_says(&Bench::new().refused(RCC_CFGR, 3), "not allowed");
+}
+
+// 5.2.3
+#[test]
+fn the_voltage_detector_is_refused() {
+    assert_says(&Bench::powered().refused(PWR_CR, 1 << 14 | 1 << 4), "PVDE");
+}

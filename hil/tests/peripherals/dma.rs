@@ -1,41 +1,41 @@
 //! The DMA controllers: RM0090 chapter 10.
 
-use super::bench::{Bench, FLASH_START, SRAM, assert_says};
+use super::bench::{Bench, FLASH_START, SRAM};
 use super::registers::*;
 use windhover_hil::board::{Pin, Usart};
 
-const EN: u32 = 1;
-const TEIE: u32 = 1 << 2;
-const HTIE: u32 = 1 << 3;
-const TCIE: u32 = 1 << 4;
-const TO_PERIPHERAL: u32 = 1 << 6;
-const CIRC: u32 = 1 << 8;
-const PINC: u32 = 1 << 9;
-const MINC: u32 = 1 << 10;
-const PSIZE_16: u32 = 1 << 11;
-const MSIZE_16: u32 = 1 << 13;
-const MSIZE_32: u32 = 2 << 13;
-const DBM: u32 = 1 << 18;
-const DMDIS: u32 = 1 << 2;
-const HTIF: u32 = 1 << 4;
-const TCIF: u32 = 1 << 5;
+pub const EN: u32 = 1;
+pub const TEIE: u32 = 1 << 2;
+pub const HTIE: u32 = 1 << 3;
+pub const TCIE: u32 = 1 << 4;
+pub const TO_PERIPHERAL: u32 = 1 << 6;
+pub const CIRC: u32 = 1 << 8;
+pub const PINC: u32 = 1 << 9;
+pub const MINC: u32 = 1 << 10;
+pub const PSIZE_16: u32 = 1 << 11;
+pub const MSIZE_16: u32 = 1 << 13;
+pub const MSIZE_32: u32 = 2 << 13;
+pub const DBM: u32 = 1 << 18;
+pub const DMDIS: u32 = 1 << 2;
+pub const HTIF: u32 = 1 << 4;
+pub const TCIF: u32 = 1 << 5;
 
-const SPI_ENABLED: u32 = 1 << 2 | 1 << 6 | 1 << 8 | 1 << 9;
+pub const SPI_ENABLED: u32 = 1 << 2 | 1 << 6 | 1 << 8 | 1 << 9;
 /// Eight periods of SCK at PCLK2 / 2, with 21 ticks a cycle.
-const BYTE: u64 = 8 * 2 * 21;
+pub const BYTE: u64 = 8 * 2 * 21;
 /// The channel of SPI1 on streams 0 and 3 of DMA2, and of USART3 on streams 1 and 3 of DMA1.
-const SPI_CHANNEL: u32 = 3 << 25;
-const USART3_CHANNEL: u32 = 4 << 25;
-const SOURCE: u32 = SRAM + 0x100;
-const TARGET: u32 = SRAM + 0x200;
+pub const SPI_CHANNEL: u32 = 3 << 25;
+pub const USART3_CHANNEL: u32 = 4 << 25;
+pub const SOURCE: u32 = SRAM + 0x100;
+pub const TARGET: u32 = SRAM + 0x200;
 
-fn stream(controller: u32, index: u32) -> u32 {
+pub fn stream(controller: u32, index: u32) -> u32 {
     controller + 0x10 + 0x18 * index
 }
 
 /// Writes a stream's registers, and enables it.
 #[track_caller]
-fn set_up(bench: &mut Bench, stream: u32, peripheral: u32, memory: u32, items: u32, control: u32) {
+pub fn set_up(bench: &mut Bench, stream: u32, peripheral: u32, memory: u32, items: u32, control: u32) {
     bench.write(stream + 0x04, items);
     bench.write(stream + 0x08, peripheral);
     bench.write(stream + 0x0C, memory);
@@ -44,7 +44,7 @@ fn set_up(bench: &mut Bench, stream: u32, peripheral: u32, memory: u32, items: u
 }
 
 /// SPI1 connected, with both DMA requests enabled, but not itself.
-fn spi() -> Bench {
+pub fn spi() -> Bench {
     let mut bench = Bench::powered();
     for number in [5, 6, 7] {
         bench.alternate(Pin::new('A', number), 5);
@@ -54,7 +54,7 @@ fn spi() -> Bench {
 }
 
 /// Exchanges so many bytes from SOURCE to TARGET.
-fn exchange(count: u32) -> Bench {
+pub fn exchange(count: u32) -> Bench {
     let mut bench = spi();
     bench.set_bytes(SOURCE, &[1, 2, 3, 4, 5, 6, 7, 8]);
     let receive = SPI_CHANNEL | MINC | TCIE | TEIE;
@@ -72,7 +72,7 @@ fn exchange(count: u32) -> Bench {
 }
 
 /// USART3 running at 16 cycles a bit; its first idle frame is over.
-fn serial() -> Bench {
+pub fn serial() -> Bench {
     let mut bench = Bench::powered();
     bench.modify(RCC_APB1ENR, |enr| enr | 1 << 18);
     bench.alternate(Pin::new('B', 10), 7);
@@ -84,7 +84,7 @@ fn serial() -> Bench {
     bench
 }
 
-const FRAME: u64 = 10 * 16 * 21;
+pub const FRAME: u64 = 10 * 16 * 21;
 
 // 28.3.9
 #[test]
@@ -327,131 +327,4 @@ fn with_pinc_the_peripheral_s_registers_are_used_in_turn() {
     bench.write(TIM3 + TIM_EGR, 1);
     assert_eq!(bench.read(TIM3 + TIM_CCR1), 1);
     assert_eq!(bench.read(TIM3 + TIM_CCR2), 2);
-}
-
-/// What is said when a stream of DMA2 for SPI's receiver is enabled with one thing changed.
-fn refused(change: impl FnOnce(&mut [u32; 4])) -> String {
-    let mut bench = spi();
-    let mut settings = [SPI_DR, TARGET, 4, SPI_CHANNEL | MINC];
-    change(&mut settings);
-    let [peripheral, memory, items, control] = settings;
-    let stream = stream(DMA2, 0);
-    bench.write(stream + 0x04, items);
-    bench.write(stream + 0x08, peripheral);
-    bench.write(stream + 0x0C, memory);
-    bench.write(stream, control);
-    let Err(violation) = bench.try_write(stream, control | EN) else {
-        bench.write(SPI_CR1, SPI_ENABLED);
-        bench.write(SPI_DR, 1);
-        return bench.try_wait(BYTE).unwrap_err().to_string();
-    };
-    violation.to_string()
-}
-
-// 10.3.3, table 43
-#[test]
-fn a_channel_without_a_request_is_refused() {
-    assert_says(
-        &refused(|settings| settings[3] = 5 << 25),
-        "DMA2: stream 0: channel 5 carries no modelled request",
-    );
-}
-
-// 10.3.3
-#[test]
-fn an_address_that_is_not_the_requesting_peripheral_s_is_refused() {
-    assert_says(
-        &refused(|settings| settings[0] = USART1 + DR),
-        "channel 3 carries SpiReceive, whose data are not at PAR = 0x40011004",
-    );
-}
-
-// 10.3.6
-#[test]
-fn the_wrong_direction_is_refused() {
-    assert_says(&refused(|settings| settings[3] |= TO_PERIPHERAL), "direction");
-    assert_says(&refused(|settings| settings[3] |= 2 << 6), "memory to memory");
-}
-
-// 2.3.1
-#[test]
-fn the_core_coupled_memory_is_out_of_reach() {
-    assert_says(
-        &refused(|settings| settings[1] = 0x1000_0000),
-        "cannot write memory at 0x10000000",
-    );
-}
-
-// 2.3
-#[test]
-fn flash_cannot_be_written_and_other_addresses_not_reached() {
-    assert_says(&refused(|settings| settings[1] = FLASH_START), "cannot write");
-    assert_says(&refused(|settings| settings[1] = SRAM + 0x2_0000), "cannot write");
-}
-
-// 10.3.17
-#[test]
-fn a_stream_with_nothing_to_do_is_refused() {
-    assert_says(&refused(|settings| settings[2] = 0), "NDTR = 0");
-}
-
-// 10.3.10
-#[test]
-fn a_memory_address_that_is_not_aligned_is_refused() {
-    assert_says(
-        &refused(|settings| {
-            settings[1] = TARGET + 1;
-            settings[3] |= PSIZE_16 | MSIZE_16;
-        }),
-        "not aligned",
-    );
-}
-
-// 10.3.10
-#[test]
-fn a_count_that_does_not_fill_memory_s_items_is_refused() {
-    let mut bench = serial();
-    bench.write(stream(DMA1, 1) + 0x14, DMDIS);
-    bench.write(stream(DMA1, 1) + 0x04, 3);
-    bench.write(stream(DMA1, 1) + 0x08, USART3 + DR);
-    bench.write(stream(DMA1, 1) + 0x0C, TARGET);
-    let control = USART3_CHANNEL | MINC | MSIZE_32 | EN;
-    assert_says(&bench.refused(stream(DMA1, 1), control), "no multiple");
-}
-
-// 10.3.17
-#[test]
-fn a_stream_is_enabled_only_with_its_flags_cleared() {
-    let mut bench = exchange(1);
-    bench.wait(BYTE);
-    bench.write(stream(DMA2, 0) + 4, 1);
-    let control = bench.read(stream(DMA2, 0));
-    assert_says(
-        &bench.refused(stream(DMA2, 0), control | EN),
-        "before its flags are cleared",
-    );
-}
-
-// 10.5.5 to 10.5.10
-#[test]
-fn a_stream_s_registers_stay_as_they_are_while_it_is_enabled() {
-    let mut bench = exchange(4);
-    let control = bench.read(stream(DMA2, 0));
-    assert_says(&bench.refused(stream(DMA2, 0), control ^ MINC), "CR is changed");
-    for register in [0x04, 0x08, 0x0C, 0x10, 0x14] {
-        assert_says(
-            &bench.refused(stream(DMA2, 0) + register, 0),
-            "while it is enabled",
-        );
-    }
-    bench.write(stream(DMA2, 0), control ^ TCIE);
-}
-
-#[test]
-fn modes_that_nothing_here_uses_are_refused() {
-    for mode in [1 << 5, 1 << 15, 1 << 21] {
-        assert_says(&refused(|settings| settings[3] |= mode), "not modelled");
-    }
-    assert_says(&refused(|settings| settings[3] |= 3 << 11), "reserved");
-    assert_says(&Bench::powered().refused(DMA1 + LISR, 0), "only be read");
 }

@@ -146,6 +146,15 @@ fn programming_needs_the_size_that_psize_says() {
     assert_says(&store(&mut bench, SECTOR_5, 4, 0).unwrap_err(), "PGPERR");
 }
 
+// 3.3, table 5
+#[test]
+fn only_flash_is_programmed() {
+    let mut bench = unlocked();
+    bench.write(FLASH_CR, PG | BY_WORDS);
+    assert_says(&store(&mut bench, 0x0810_0000, 4, 0).unwrap_err(), "not in flash");
+    assert_says(&store(&mut bench, 0x07FF_FFFC, 4, 0).unwrap_err(), "not in flash");
+}
+
 // 3.6.2
 #[test]
 fn programming_by_64_bits_needs_an_external_voltage() {
@@ -195,6 +204,14 @@ fn the_brown_out_level_is_programmed_and_outlives_resets() {
     assert_eq!(bench.board.brown_out_level(), 0);
     bench.board.reset(bench.now, ResetCause::PowerOn);
     assert_eq!(bench.read(FLASH_OPTCR), 0x0FFF_AAE1);
+}
+
+// 3.7.2
+#[test]
+fn options_are_not_written_while_they_are_programmed() {
+    let mut bench = options_unlocked();
+    bench.write(FLASH_OPTCR, 0x0FFF_AAE2);
+    assert_says(&bench.refused(FLASH_OPTCR, 0x0FFF_AAE2), "are programmed");
 }
 
 // 3.7.2

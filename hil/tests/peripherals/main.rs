@@ -4,6 +4,7 @@
 mod bench;
 mod clocks;
 mod dma;
+mod dma_refusals;
 mod exti;
 mod flash;
 mod gpio;
@@ -12,6 +13,7 @@ mod registers;
 mod reset;
 mod serial;
 mod spi;
+mod time;
 mod timer;
 mod timer_outputs;
 mod watchdog;

@@ -95,7 +95,9 @@ fn registers_of_dma_are_accessed_by_words() {
 // 38.6.1
 #[test]
 fn the_debug_unit_identifies_the_part() {
-    assert_eq!(Bench::new().read(0xE004_2000), 0x1007_6413);
+    let mut bench = Bench::new();
+    assert_eq!(bench.read(0xE004_2000), 0x1007_6413);
+    assert_says(&bench.refused(0xE004_2000, 0), "only be read");
 }
 
 // 38.16.3 to 38.16.5
