@@ -4,10 +4,13 @@
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
 //! - [`machine`]: the processor, which runs the program.
 //! - [`elf`]: the program, and the names in it.
+//! - [`rtt`], [`log`]: what the program says by defmt.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
 pub mod elf;
+pub mod log;
 pub mod machine;
+pub mod rtt;
 pub mod time;
 pub mod violation;

@@ -110,6 +110,10 @@ scenarios! {
     Known,
     /// Calls the same function in peace, ten microseconds apart, and says when.
     Calls,
+    /// Says a few words by defmt.
+    Log,
+    /// The same, and resets at once; nothing at the second boot.
+    LogReset,
     /// Sleeps for ever without an interrupt.
     SleepForEver,
 }
