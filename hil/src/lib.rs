@@ -6,6 +6,7 @@
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
 //! - [`elf`]: the program, and the names in it.
+//! - [`rtt`], [`log`]: what the program says by defmt.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
@@ -13,5 +14,7 @@ pub mod elf;
 pub mod flight;
 pub mod machine;
 pub mod rig;
+pub mod log;
+pub mod rtt;
 pub mod time;
 pub mod violation;

@@ -23,6 +23,7 @@ mod fault;
 mod hooks;
 mod inject;
 mod load;
+mod log;
 mod nvic;
 mod probe;
 mod run;
@@ -34,6 +35,7 @@ mod systick;
 pub use bus::Bus;
 pub use inject::Target;
 pub use load::Load;
+pub use log::LogChunk;
 pub use nvic::EXCEPTIONS;
 pub use probe::{Calls, Probe, Spread};
 pub use stop::{Lockup, Place, Reset, Stop};
@@ -44,6 +46,7 @@ use blocks::Blocks;
 use clock::Clock;
 use engine::{Core, Registers};
 use inject::Injections;
+use log::LogTap;
 use probe::Probes;
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
@@ -100,6 +103,9 @@ pub struct Machine<B: Bus + 'static> {
     load: Load,
     probes: Probes,
     injections: Injections,
+    log: LogTap,
+    /// End of the run.
+    until: u64,
     resets: Vec<Reset>,
     lockups: Vec<Lockup>,
     trace: Trace,
@@ -125,6 +131,7 @@ impl<B: Bus + 'static> Machine<B> {
             engine::store(&mut core, *address, bytes);
             hooks::watch_send_event(&mut core, &clock, *address, bytes).map_err(failed)?;
         }
+        let log = LogTap::new(&elf);
         let mut machine = Self {
             core,
             clock,
@@ -137,6 +144,8 @@ impl<B: Bus + 'static> Machine<B> {
             load: Load::default(),
             probes: Probes::default(),
             injections: Injections::default(),
+            log,
+            until: 0,
             resets: Vec::new(),
             lockups: Vec::new(),
             trace: Trace::default(),
@@ -203,6 +212,7 @@ impl<B: Bus + 'static> Machine<B> {
 
     /// Switches the power off and on: RAM is lost.
     pub fn power_cycle(&mut self) {
+        self.cut_log();
         engine::scramble(&mut self.core);
         self.reset(ResetCause::PowerOn);
     }
@@ -212,6 +222,7 @@ impl<B: Bus + 'static> Machine<B> {
         self.account();
         let place = self.place(self.core.get(RegisterARM::PC));
         self.resets.push(Reset { cause, place });
+        self.cut_log();
         {
             let mut system = self.system.borrow_mut();
             system.control = scs::SystemControl::new(self.options.debugger_attached);

@@ -17,10 +17,17 @@ const THUMB: u32 = 1 << 24;
 impl<B: Bus + 'static> Machine<B> {
     /// Runs until this moment, or a block of instructions longer. Resets do not end a run.
     pub fn run(&mut self, until: u64) -> Result<(), Stop> {
-        self.system.borrow_mut().horizon = until;
-        self.with_system(|system, _, clock| system.settle(clock));
+        self.until = until;
         while self.now() < until {
-            self.step()?;
+            self.tap_log();
+            let horizon = until.min(self.log.due());
+            self.with_system(|system, _, clock| {
+                system.horizon = horizon;
+                system.settle(clock);
+            });
+            while self.now() < horizon {
+                self.step()?;
+            }
         }
         Ok(())
     }
@@ -31,7 +38,7 @@ impl<B: Bus + 'static> Machine<B> {
             return Ok(());
         }
         match self.state {
-            State::Lockup => self.stand_still(NEVER),
+            State::Lockup => self.stay_locked_up(),
             State::AsleepForInterrupt | State::AsleepForEvent => self.sleep(),
             State::Running => match self.spin_until() {
                 Some(then) => self.spin(then),
@@ -121,28 +128,35 @@ impl<B: Bus + 'static> Machine<B> {
             self.wake();
             return Ok(());
         }
-        let due = self.clock.due.get();
-        if due == NEVER {
+        if self.waits_for_ever() {
             return Err(Stop::AsleepForEver { place: self.here() });
         }
-        self.clock.now.set(due.max(self.now()));
+        self.clock.now.set(self.clock.due.get().max(self.now()));
         Ok(())
     }
 
-    /// Time passes with the processor's clock running, but no instruction.
-    fn stand_still(&mut self, until: u64) -> Result<(), Stop> {
-        let then = until.min(self.clock.due.get());
-        if then == NEVER {
+    /// Time passes until a reset.
+    fn stay_locked_up(&mut self) -> Result<(), Stop> {
+        if self.waits_for_ever() {
             return Err(Stop::Lockup { place: self.here() });
         }
-        self.clock.stand_until(then);
+        self.clock.stand_until(self.clock.due.get());
         Ok(())
+    }
+
+    /// Neither will anything happen, nor does the run end.
+    fn waits_for_ever(&self) -> bool {
+        let system = self.system.borrow();
+        self.until == NEVER && system.bus.next_event() == NEVER && system.control.systick.next() == NEVER
     }
 
     /// An injected stall: this context spins.
     fn spin(&mut self, until: u64) -> Result<(), Stop> {
+        if until == NEVER && self.waits_for_ever() {
+            return Err(Stop::AsleepForEver { place: self.here() });
+        }
         let before = self.now();
-        self.stand_still(until)?;
+        self.clock.stand_until(until.min(self.clock.due.get()));
         self.injections.spun(self.now() - before);
         Ok(())
     }

@@ -58,7 +58,7 @@ pub enum Stop {
         /// Where the processor locked up.
         place: Box<Place>,
     },
-    /// Asleep, and nothing will ever happen.
+    /// Asleep or stalled for ever, and nothing will ever happen.
     #[error("asleep for ever: {place}")]
     AsleepForEver {
         /// Behind the instruction that sleeps.

@@ -4,6 +4,7 @@ mod determinism;
 mod exceptions;
 mod faults;
 mod injections;
+mod log;
 #[path = "../../torture/src/scenario.rs"]
 mod scenario;
 mod sleep;

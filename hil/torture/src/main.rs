@@ -10,6 +10,8 @@ mod sleep;
 mod tester;
 mod threads;
 
+use defmt_rtt as _;
+
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use scenario::Scenario;
@@ -57,6 +59,9 @@ fn run(scenario: Scenario) {
         S::Yield => sleep::spin(),
         S::SysTick => sleep::systick(),
         S::CycleCounter => sleep::cycle_counter(),
+        S::Compute => tester::report(kernel::run(0, &kernel::input(), 1_000_000)[0]),
+        S::Log => defmt::info!("{=u32} of {=str}", 3, "four"),
+        S::LogReset => threads::log_and_reset(),
         S::SleepForEver => loop {
             cortex_m::asm::wfi();
         },

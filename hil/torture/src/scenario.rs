@@ -110,6 +110,12 @@ scenarios! {
     Known,
     /// Calls the same function in peace, ten microseconds apart, and says when.
     Calls,
+    /// The kernel in peace, for long: a word of its result.
+    Compute,
+    /// Says a few words by defmt.
+    Log,
+    /// The same, and resets at once; nothing at the second boot.
+    LogReset,
     /// Sleeps for ever without an interrupt.
     SleepForEver,
 }

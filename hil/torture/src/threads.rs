@@ -289,6 +289,19 @@ pub fn reset() {
     SCB::sys_reset();
 }
 
+pub fn log_and_reset() {
+    const BEEN_HERE: *mut u32 = 0x2001_FFE0 as *mut u32;
+    // SAFETY: a word of RAM that nobody else uses.
+    unsafe {
+        if BEEN_HERE.read_volatile() == 0x5AFE_C0DE {
+            tester::finish();
+        }
+        BEEN_HERE.write_volatile(0x5AFE_C0DE);
+    }
+    defmt::error!("last words");
+    SCB::sys_reset();
+}
+
 pub fn no_vectors() {
     // SAFETY: the fault is what is wanted.
     unsafe { peripherals().SCB.vtor.write(0x3000_0000) };
