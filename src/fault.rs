@@ -11,6 +11,7 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use embassy_stm32::pac::RCC;
 use heapless::String;
+use windhover_autopilot::ParameterWrite;
 
 use crate::board;
 
@@ -27,9 +28,14 @@ struct Note {
     magic: u32,
     length: u32,
     text: [u8; TEXT],
+    /// A parameter that the next start is to store: its index, or [`NO_PARAMETER`], and the bits
+    /// of its value.
+    parameter: [u32; 2],
     /// Exclusive or of all words before.
     check: u32,
 }
+
+const NO_PARAMETER: u32 = u32::MAX;
 
 struct Place(UnsafeCell<MaybeUninit<Note>>);
 
@@ -43,12 +49,21 @@ static NOTE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
 /// The text of a cause.
 pub type Cause = String<TEXT>;
 
+/// What the last run left behind, or the hardware says of it.
+pub struct LastRun {
+    /// Why the microcontroller started.
+    pub cause: Cause,
+    /// A parameter that is to be stored before anything else starts.
+    pub store: Option<ParameterWrite>,
+}
+
 impl Note {
-    fn new(text: &str) -> Self {
+    fn new(text: &str, parameter: [u32; 2]) -> Self {
         let mut note = Self {
             magic: MAGIC,
             length: text.len().min(TEXT) as u32,
             text: [0; TEXT],
+            parameter,
             check: 0,
         };
         for (to, from) in note.text.iter_mut().zip(text.bytes()) {
@@ -76,9 +91,13 @@ impl Note {
 
 /// Leaves a note, stops everything and starts anew.
 fn give_up(text: &str) -> ! {
+    start_anew(text, [NO_PARAMETER, 0])
+}
+
+fn start_anew(text: &str, parameter: [u32; 2]) -> ! {
     cortex_m::interrupt::disable();
     board::motors_off();
-    let note = Note::new(text);
+    let note = Note::new(text, parameter);
     // SAFETY: interrupts are off and nothing returns from here: no one else uses the place.
     unsafe { NOTE.0.get().write_volatile(MaybeUninit::new(note)) };
     defmt::error!("{=str}", text);
@@ -87,7 +106,7 @@ fn give_up(text: &str) -> ! {
 
 /// Why the microcontroller started: the last run's note, or the hardware's flags. To be called
 /// once, before interrupts use the place; takes the note and clears the flags.
-pub fn take_cause() -> Cause {
+pub fn take_last_run() -> LastRun {
     // SAFETY: runs once at the start, when no fault handler is active. The bits may be anything,
     // and any bits are a valid `Note`, which is all integers; its check says whether it is one.
     let note = unsafe {
@@ -108,18 +127,32 @@ pub fn take_cause() -> Cause {
     } else {
         "reset pin"
     };
-    let text = match note.text() {
-        Some(text) if flags.sftrstf() => text,
-        _ => by_hardware,
+    let (text, parameter) = match note.text() {
+        Some(text) if flags.sftrstf() => (text, note.parameter),
+        _ => (by_hardware, [NO_PARAMETER, 0]),
     };
     let mut cause = Cause::new();
     let _ = cause.push_str(text);
-    cause
+    let [index, value] = parameter;
+    let store = u16::try_from(index).ok().map(|index| ParameterWrite {
+        index,
+        value: f32::from_bits(value),
+    });
+    LastRun { cause, store }
 }
 
 /// Starts anew on purpose, as after power-on.
 pub fn restart() -> ! {
     give_up("restart by command")
+}
+
+/// Starts anew to store a parameter: while flash is written the processor stands still, which
+/// neither the watchdog nor the time driver would survive, so it is done before they start.
+pub fn restart_to_store(write: &ParameterWrite) -> ! {
+    start_anew(
+        "restart to store a parameter",
+        [u32::from(write.index), write.value.to_bits()],
+    )
 }
 
 /// Text as far as it fits.

@@ -17,6 +17,8 @@ mod fault;
 #[cfg(target_os = "none")]
 mod shared;
 #[cfg(target_os = "none")]
+mod start;
+#[cfg(target_os = "none")]
 mod steps;
 #[cfg(target_os = "none")]
 mod task;
@@ -31,9 +33,8 @@ fn main() -> ! {
     use embassy_stm32::wdg::IndependentWatchdog;
     use embassy_time::Instant;
     use static_cell::StaticCell;
-    use windhover_autopilot::{Inner, InnerConfig, Outer, Parameters};
+    use windhover_autopilot::{Inner, InnerConfig, Outer};
     use windhover_flight_log::{Logger, LoggerConfig};
-    use windhover_math::geodesy::GlobalPosition;
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
     const WATCHDOG: u32 = 250_000;
@@ -41,29 +42,27 @@ fn main() -> ! {
     static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
     static START: StaticCell<task::Start> = StaticCell::new();
 
-    let cause = fault::take_cause();
+    let fault::LastRun { cause, store } = fault::take_last_run();
     let board = board::take();
     defmt::info!(
         "windhover on {=str}, started by: {=str}",
         board::NAME,
         cause.as_str()
     );
-
-    let (parameters, home) = (Parameters::default(), GlobalPosition::default());
+    let outer = OUTER.init(start::outer(board.storage, store));
+    let parameters = *outer.parameters();
     let config = InnerConfig {
         imu_rate: parameters.board.imu_rate(),
         rotation: board::ROTATION,
     };
     let logging = LoggerConfig::new(config, &parameters);
-    let outer = Outer::new(parameters, home).expect("the default parameters describe a vehicle that flies");
-    let outer = OUTER.init(outer);
     let inner = Inner::new(config, outer.inner_parameters());
     shared::begin(LOG.init_with(|| Logger::new(logging)));
     let start = START.init(task::Start {
         time: Instant::now().as_micros(),
         inner: config,
         parameters,
-        home,
+        home: start::HOME,
         cause,
     });
     let motors = board::Motors::new(board.motors, parameters.board.pwm_rate as u32);

@@ -12,9 +12,9 @@
 pub mod board;
 pub mod elf;
 pub mod flight;
+pub mod log;
 pub mod machine;
 pub mod rig;
-pub mod log;
 pub mod rtt;
 pub mod time;
 pub mod violation;

@@ -8,7 +8,7 @@ mod speedybee_f405_v4;
 
 #[cfg(feature = "speedybee-f405-v4")]
 pub use speedybee_f405_v4::{Imu, Motors, NAME, ROTATION, light, motors_off, take};
-pub use stm32f405::{CYCLES_PER_MICROSECOND, STACK, on_every_priority, stack_used};
+pub use stm32f405::{CYCLES_PER_MICROSECOND, STACK, STORED, Storage, on_every_priority, stack_used};
 
 #[cfg(not(feature = "speedybee-f405-v4"))]
 compile_error!("choose a board by its feature, for instance `speedybee-f405-v4`");

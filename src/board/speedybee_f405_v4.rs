@@ -101,6 +101,8 @@ pub struct Board {
     pub light: Output<'static>,
     /// The watchdog, not running yet.
     pub watchdog: Peri<'static, IWDG>,
+    /// The flash that parameters are stored in.
+    pub storage: stm32f405::Storage,
 }
 
 /// Pins and timers of the motors, before their pulse rate is known.
@@ -152,6 +154,7 @@ pub fn take() -> Board {
         .expect("115,200 baud are possible"),
         light: Output::new(p.PC13, light(false), Speed::Low),
         watchdog: p.IWDG,
+        storage: stm32f405::storage(p.FLASH),
     }
 }
 

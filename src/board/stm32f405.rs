@@ -3,11 +3,13 @@
 use core::ops::Range;
 
 use cortex_m::peripheral::SCB;
+use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_executor::{InterruptExecutor, SendSpawner, Spawner, raw};
+use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, rcc};
+use embassy_stm32::{Config, Peri, peripherals, rcc};
 use embassy_time::Instant;
 use static_cell::StaticCell;
 
@@ -72,6 +74,18 @@ pub fn count_cycles() {
     let mut processor = unsafe { cortex_m::Peripherals::steal() };
     processor.DCB.enable_trace();
     processor.DWT.enable_cycle_counter();
+}
+
+/// The first four sectors of the flash, 16 KiB each.
+pub type Storage = BlockingAsync<Bank1Region1<'static, Blocking>>;
+
+/// Where in [`Storage`] parameters are: sectors 1 to 3 (memory.x), behind the vector table.
+pub const STORED: Range<u32> = 0x4000..0x1_0000;
+
+/// The flash for stored parameters. To write it stops the processor for up to half a second.
+pub fn storage(flash: Peri<'static, peripherals::FLASH>) -> Storage {
+    let flash = Flash::new_blocking(flash).into_blocking_regions();
+    BlockingAsync::new(flash.bank1_region1)
 }
 
 /// Sets the brown-out reset to level 3, 2.7 V, once and for all: below it flash and processor are

@@ -27,8 +27,10 @@ fn act(request: Request) {
     match request {
         Request::Input(input) => shared::with(|shared| input.queue(&mut shared.mailboxes.queues)),
         Request::Urgent(urgent) => shared::urge(urgent),
-        Request::Restart if shared::value(&COUNTERS.armed) == 0 => fault::restart(),
-        Request::Restart => defmt::warn!("no restart while armed"),
-        Request::SaveParameter(_) => defmt::warn!("parameters are not stored yet"),
+        Request::Restart | Request::SaveParameter(_) if shared::value(&COUNTERS.armed) != 0 => {
+            defmt::warn!("no restart while armed");
+        }
+        Request::Restart => fault::restart(),
+        Request::SaveParameter(write) => fault::restart_to_store(&write),
     }
 }
