@@ -1,21 +1,83 @@
-//! The firmware. On the board: motors off, then a word about what will come.
-//! On a desktop: a word about how to build it.
+//! The firmware's task graph at a glance; on a desktop, a word about how to build it.
+//!
+//! | priority | runs | waits for |
+//! |---|---|---|
+//! | interrupts | drivers | DMA, timers, data-ready |
+//! | inner executor | `inner_loop`: sample to motors | data-ready, at most 1.5 periods |
+//! | outer executor | `outer_loop`: snapshot to result | a snapshot |
+//! | thread | `log_stream`, `commands`, `health` | bytes, time |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+#[allow(unsafe_code, reason = "registers and interrupts that no driver has")]
 mod board;
-
 #[cfg(target_os = "none")]
-use {defmt_rtt as _, panic_probe as _};
-
-/// The firmware's start: the motor pins are safe before anything else runs.
+#[allow(unsafe_code, reason = "fault handlers")]
+mod fault;
 #[cfg(target_os = "none")]
-#[embassy_executor::main]
-async fn main(_spawner: embassy_executor::Spawner) {
-    board::motors_off();
-    let _peripherals = embassy_stm32::init(Default::default());
-    defmt::info!("windhover on {=str}: motors off", board::NAME);
-    defmt::info!("it does not fly yet: sensors, control loops and motor outputs are to come");
+mod shared;
+#[cfg(target_os = "none")]
+mod steps;
+#[cfg(target_os = "none")]
+mod task;
+
+/// The order matters: motors are off since before `main`; the cause of the start is known before
+/// anything can fail anew; the log begins before the first tick; the watchdog runs before the
+/// tasks do.
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use defmt_rtt as _;
+    use embassy_stm32::wdg::IndependentWatchdog;
+    use embassy_time::Instant;
+    use static_cell::StaticCell;
+    use windhover_autopilot::{Inner, InnerConfig, Outer, Parameters};
+    use windhover_flight_log::{Logger, LoggerConfig};
+    use windhover_math::geodesy::GlobalPosition;
+
+    /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
+    const WATCHDOG: u32 = 250_000;
+    static OUTER: StaticCell<Outer> = StaticCell::new();
+    static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
+    static START: StaticCell<task::Start> = StaticCell::new();
+
+    let cause = fault::take_cause();
+    let board = board::take();
+    defmt::info!(
+        "windhover on {=str}, started by: {=str}",
+        board::NAME,
+        cause.as_str()
+    );
+
+    let (parameters, home) = (Parameters::default(), GlobalPosition::default());
+    let config = InnerConfig {
+        imu_rate: parameters.board.imu_rate(),
+        rotation: board::ROTATION,
+    };
+    let logging = LoggerConfig::new(config, &parameters);
+    let outer = Outer::new(parameters, home).expect("the default parameters describe a vehicle that flies");
+    let outer = OUTER.init(outer);
+    let inner = Inner::new(config, outer.inner_parameters());
+    shared::begin(LOG.init_with(|| Logger::new(logging)));
+    let start = START.init(task::Start {
+        time: Instant::now().as_micros(),
+        inner: config,
+        parameters,
+        home,
+        cause,
+    });
+    let motors = board::Motors::new(board.motors, parameters.board.pwm_rate as u32);
+    let state = task::InnerLoop::new(config, inner, motors);
+    let mut watchdog = IndependentWatchdog::new(board.watchdog, WATCHDOG);
+    watchdog.unleash();
+
+    board::on_every_priority(|inner, outer_spawner, thread| {
+        inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
+        outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
+        thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
+        thread.spawn(task::commands(board.commands).expect("spawned once"));
+        thread.spawn(task::health(board.light).expect("spawned once"));
+    })
 }
 
 /// A desktop has no motors: says how to build for a board, and fails because it did not.
@@ -24,6 +86,7 @@ fn main() -> std::process::ExitCode {
     eprintln!("This is the firmware; it runs on a flight board.");
     eprintln!("  cargo firmware       builds it: rustup target add thumbv7em-none-eabihf, once");
     eprintln!("  cargo flash-board    builds it and flashes it by probe-rs");
+    eprintln!("  cargo hil            runs it on an emulated board");
     eprintln!("To fly on the desktop: cargo run --release");
     std::process::ExitCode::FAILURE
 }

@@ -3,14 +3,18 @@
 //! - [`time`]: virtual time, in which everything here is measured.
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
 //! - [`machine`]: the processor, which runs the program.
+//! - [`rig`]: sensors, motors and the world, at the other end of the pins.
+//! - [`flight`]: a flight from power-on to disarmed.
 //! - [`elf`]: the program, and the names in it.
 //! - [`rtt`], [`log`]: what the program says by defmt.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
 pub mod elf;
+pub mod flight;
 pub mod log;
 pub mod machine;
+pub mod rig;
 pub mod rtt;
 pub mod time;
 pub mod violation;

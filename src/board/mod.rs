@@ -1,5 +1,14 @@
-//! One file a flight board: everything that differs from board to board.
+//! One file a flight board: everything that differs from board to board. What all boards with an
+//! STM32F405 share is in [`stm32f405`].
 
+mod stm32f405;
+
+#[cfg(feature = "speedybee-f405-v4")]
 mod speedybee_f405_v4;
 
-pub use speedybee_f405_v4::{NAME, motors_off};
+#[cfg(feature = "speedybee-f405-v4")]
+pub use speedybee_f405_v4::{Imu, Motors, NAME, ROTATION, light, motors_off, take};
+pub use stm32f405::{CYCLES_PER_MICROSECOND, STACK, on_every_priority, stack_used};
+
+#[cfg(not(feature = "speedybee-f405-v4"))]
+compile_error!("choose a board by its feature, for instance `speedybee-f405-v4`");

@@ -2,26 +2,66 @@
 //!
 //! Pins as in ArduPilot's `speedybeef4v4/hwdef.dat` and Betaflight's `SPEEDYBEEF405V4/config.h`.
 //!
-//! | pad | pin | timer |
+//! | what | pins | peripheral, DMA |
 //! |---|---|---|
+//! | inertial sensors | SCK PA5, MISO PA6, MOSI PA7, select PA4, data-ready PC4 | SPI1, D2S0 and D2S3 |
 //! | M1 | PB6 | TIM4 channel 1 |
 //! | M2 | PB7 | TIM4 channel 2 |
 //! | M3 | PB0 | TIM3 channel 3 |
 //! | M4 | PB1 | TIM3 channel 4 |
+//! | log | TX PC10 | USART3, D1S3 |
+//! | commands | RX PA10, TX PA9 | USART1 |
+//! | light | PC13, on when low | |
 
+use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
+use embassy_stm32::interrupt::InterruptExt;
+use embassy_stm32::mode::Async;
 use embassy_stm32::pac::gpio::vals::{Moder, Ot};
-use embassy_stm32::pac::{GPIOB, RCC};
+use embassy_stm32::pac::{EXTI, GPIOB, GPIOC, RCC, SYSCFG};
+use embassy_stm32::peripherals::{IWDG, PB0, PB1, PB6, PB7, TIM3, TIM4, USART1};
+use embassy_stm32::spi::{self, Spi};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
+use embassy_stm32::usart::{self, BufferedUart, UartTx};
+use embassy_stm32::{Peri, bind_interrupts, dma, interrupt, peripherals};
+use embassy_time::Instant;
+use static_cell::ConstStaticCell;
+use windhover_autopilot::MotorCommand;
+use windhover_autopilot::sensing::BoardRotation;
+use windhover_drivers::icm42688p::Icm42688p;
+use windhover_drivers::pulse;
+
+use super::stm32f405;
+use crate::shared::DATA_READY;
 
 /// The board's name, as its maker writes it.
 pub const NAME: &str = "SpeedyBee F405 V4";
 
+/// How the inertial sensors sit: front is the part's y, right its x, down against its z.
+/// ArduPilot's PITCH_180_YAW_270 (axes front, right, down) and Betaflight's CW90 (front, left,
+/// up) both say so. To verify: nose up must turn the specific force to the front positive, right
+/// side down to the right negative; at rest down reads −1 g.
+pub const ROTATION: BoardRotation = BoardRotation([[0, 1, 0], [1, 0, 0], [0, 0, -1]]);
+
+/// The inertial sensors on their bus.
+pub type Imu = Icm42688p<Spi<'static, Async, spi::mode::Master>, Output<'static>>;
+
 /// Pads M1 to M4: their pin numbers on port B.
 const MOTOR_PINS: [usize; 4] = [6, 7, 0, 1];
 
+bind_interrupts!(struct Interrupts {
+    DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
+    DMA2_STREAM3 => dma::InterruptHandler<peripherals::DMA2_CH3>;
+    DMA1_STREAM3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
+    USART1 => usart::BufferedInterruptHandler<USART1>;
+});
+
 /// Drives the motor pins low: an electronic speed controller that sees no pulse does not turn.
 ///
-/// It needs no clock setup and no driver, so it can be the first thing that runs, and it may be
-/// called at any time. The level is set before the direction, so that no pin goes high meanwhile.
+/// It needs no clock setup, no driver and no memory, so it can be the first thing that runs, and
+/// it may be called at any time. The level is set before the direction, so that no pin goes high
+/// meanwhile.
 pub fn motors_off() {
     RCC.ahb1enr().modify(|enable| enable.set_gpioben(true));
     RCC.ahb1enr().read(); // errata: a port answers two cycles after its clock is enabled
@@ -40,4 +80,158 @@ pub fn motors_off() {
             mode.set_moder(pin, Moder::OUTPUT);
         }
     });
+}
+
+/// The light's pin for on or off.
+pub fn light(on: bool) -> Level {
+    if on { Level::Low } else { Level::High }
+}
+
+/// Everything that hangs on the microcontroller.
+pub struct Board {
+    /// The inertial sensors, not set up yet.
+    pub imu: Imu,
+    /// What the motors' pins and timers are made of, still off.
+    pub motors: MotorParts,
+    /// Where the log goes.
+    pub log: UartTx<'static, Async>,
+    /// Where commands come from.
+    pub commands: BufferedUart<'static>,
+    /// The light.
+    pub light: Output<'static>,
+    /// The watchdog, not running yet.
+    pub watchdog: Peri<'static, IWDG>,
+}
+
+/// Pins and timers of the motors, before their pulse rate is known.
+pub struct MotorParts {
+    tim3: Peri<'static, TIM3>,
+    tim4: Peri<'static, TIM4>,
+    m1: Peri<'static, PB6>,
+    m2: Peri<'static, PB7>,
+    m3: Peri<'static, PB0>,
+    m4: Peri<'static, PB1>,
+}
+
+/// Sets up everything but the motors, whose pins stay low.
+pub fn take() -> Board {
+    static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
+    static SENT: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
+    let p = embassy_stm32::init(stm32f405::config());
+    stm32f405::count_cycles();
+    stm32f405::set_brown_out_level_3();
+    let mut bus = spi::Config::default();
+    bus.mode = spi::MODE_3;
+    bus.frequency = Hertz(10_500_000);
+    let bus = Spi::new(
+        p.SPI1, p.PA5, p.PA7, p.PA6, p.DMA2_CH3, p.DMA2_CH0, Interrupts, bus,
+    );
+    let select = Output::new(p.PA4, Level::High, Speed::VeryHigh);
+    listen_to_data_ready();
+    Board {
+        imu: Icm42688p::new(bus, select),
+        motors: MotorParts {
+            tim3: p.TIM3,
+            tim4: p.TIM4,
+            m1: p.PB6,
+            m2: p.PB7,
+            m3: p.PB0,
+            m4: p.PB1,
+        },
+        log: UartTx::new(p.USART3, p.PC10, p.DMA1_CH3, Interrupts, baud(2_000_000))
+            .expect("2 Mbaud are 21 cycles of the port's clock"),
+        commands: BufferedUart::new(
+            p.USART1,
+            p.PA10,
+            p.PA9,
+            SENT.take(),
+            RECEIVED.take(),
+            Interrupts,
+            baud(115_200),
+        )
+        .expect("115,200 baud are possible"),
+        light: Output::new(p.PC13, light(false), Speed::Low),
+        watchdog: p.IWDG,
+    }
+}
+
+fn baud(rate: u32) -> usart::Config {
+    let mut config = usart::Config::default();
+    config.baudrate = rate;
+    config
+}
+
+/// The inertial sensors' data-ready line is PC4: EXTI line 4, rising edge.
+fn listen_to_data_ready() {
+    RCC.ahb1enr().modify(|enable| enable.set_gpiocen(true));
+    RCC.apb2enr().modify(|enable| enable.set_syscfgen(true));
+    RCC.apb2enr().read(); // errata: a port answers two cycles after its clock is enabled
+    GPIOC.moder().modify(|mode| mode.set_moder(4, Moder::INPUT));
+    /// Port C in `EXTICR` (RM0090, 9.2.4).
+    const PORT_C: u8 = 2;
+    SYSCFG.exticr(1).modify(|line| line.set_exti(0, PORT_C));
+    EXTI.rtsr(0).modify(|rising| rising.set_line(4, true));
+    EXTI.imr(0).modify(|mask| mask.set_line(4, true));
+    // SAFETY: its handler shares nothing but a signal with the rest.
+    unsafe { interrupt::EXTI4.enable() };
+}
+
+#[embassy_stm32::interrupt]
+fn EXTI4() {
+    EXTI.pr(0).write(|pending| pending.set_line(4, true));
+    DATA_READY.signal(Instant::now().as_micros());
+}
+
+/// The four motors, in the core's rotor order.
+pub struct Motors {
+    front_right: SimplePwmChannel<'static, TIM4>,
+    rear_left: SimplePwmChannel<'static, TIM3>,
+    front_left: SimplePwmChannel<'static, TIM3>,
+    rear_right: SimplePwmChannel<'static, TIM4>,
+    /// Counts of the timers in a millisecond.
+    per_millisecond: u16,
+}
+
+impl Motors {
+    /// Starts the pulses, all at the length that stops a motor. `rate` in Hz, 50 to 490.
+    ///
+    /// Pads in the order of Betaflight's quad X, as ArduPilot says of this board: M1 rear right,
+    /// M2 front right, M3 rear left, M4 front left. The motor test shows whether that is so.
+    pub fn new(parts: MotorParts, rate: u32) -> Self {
+        let (rate, up) = (Hertz(rate.clamp(50, 490)), CountingMode::EdgeAlignedUp);
+        let m1 = Some(PwmPin::new(parts.m1, OutputType::PushPull));
+        let m2 = Some(PwmPin::new(parts.m2, OutputType::PushPull));
+        let m3 = Some(PwmPin::new(parts.m3, OutputType::PushPull));
+        let m4 = Some(PwmPin::new(parts.m4, OutputType::PushPull));
+        let right = SimplePwm::new(parts.tim4, m1, m2, None, None, rate, up).split();
+        let left = SimplePwm::new(parts.tim3, None, None, m3, m4, rate, up).split();
+        let per_millisecond = right.ch1.max_duty_cycle() * rate.0 / 1000;
+        let mut motors = Self {
+            front_right: right.ch2,
+            rear_left: left.ch3,
+            front_left: left.ch4,
+            rear_right: right.ch1,
+            per_millisecond: per_millisecond.min(u32::from(u16::MAX)) as u16,
+        };
+        motors.write(MotorCommand::Disarmed);
+        motors.front_right.enable();
+        motors.rear_left.enable();
+        motors.front_left.enable();
+        motors.rear_right.enable();
+        motors
+    }
+
+    /// Writes the four compare registers; the timers take them over at their next period.
+    #[inline]
+    pub fn write(&mut self, command: MotorCommand) {
+        let counts = match command.rotors() {
+            None => [pulse::stop(self.per_millisecond); 4],
+            Some(rotors) => rotors.map(|rotor| pulse::counts(rotor, self.per_millisecond)),
+        };
+        let [front_right, rear_left, front_left, rear_right] = counts;
+        self.front_right.set_duty_cycle(front_right);
+        self.rear_left.set_duty_cycle(rear_left);
+        self.front_left.set_duty_cycle(front_left);
+        self.rear_right.set_duty_cycle(rear_right);
+    }
 }

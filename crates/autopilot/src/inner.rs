@@ -202,7 +202,7 @@ impl Inner {
 
     /// One tick. A result that waits is adopted at a boundary only; where a snapshot is taken it
     /// is put into its mailbox, which is empty then, since the last one has come back as a result.
-    #[inline]
+    #[inline(always)]
     pub fn tick(&mut self, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
         let dt = self.sample(&input.imu);
         self.latch(input);

@@ -21,6 +21,9 @@ use crate::schedule::OUTER_RATE;
 /// Without an estimate for so long, position is not known any more, µs.
 const ESTIMATE_TIMEOUT: u32 = 500_000;
 
+/// Without an attitude from outside for so long, it is not followed any more, µs.
+const ATTITUDE_TIMEOUT: u32 = 500_000;
+
 /// Above the place of arming by so much, the vehicle flies, m.
 const AIRBORNE_HEIGHT: f32 = 0.3;
 
@@ -79,6 +82,8 @@ pub enum Phase {
     Mission,
     /// Following setpoints from outside.
     Offboard,
+    /// Following attitude and thrust from outside.
+    Attitude,
 }
 
 /// Something that was asked for and not done.
@@ -139,6 +144,8 @@ pub struct Outer {
     ground: f32,
     mission: Option<MissionExecutor>,
     offboard: Option<TrajectorySetpoint>,
+    /// The last attitude from outside, and how old it is, µs.
+    attitude: Option<(AttitudeSetpoint, u32)>,
     estimate: Estimate,
     observer: DisturbanceObserver,
     position: PositionController,
@@ -159,6 +166,7 @@ impl Outer {
             ground: 0.0,
             mission: None,
             offboard: None,
+            attitude: None,
             estimate: Estimate::default(),
             observer: DisturbanceObserver::default(),
             position: PositionController::default(),
@@ -194,6 +202,7 @@ impl Outer {
         {
             self.offboard = Some(*setpoint);
         }
+        self.take_attitude(snapshot, dt);
         if snapshot.stopped.is_some() {
             self.disarm();
         }
@@ -248,7 +257,7 @@ impl Outer {
             Phase::Disarmed => MotorState::Disarmed,
             Phase::Armed => MotorState::Idle,
             Phase::Mission if waits => MotorState::Idle,
-            Phase::Mission | Phase::Offboard => MotorState::Run,
+            Phase::Mission | Phase::Offboard | Phase::Attitude => MotorState::Run,
         }
     }
 
@@ -278,6 +287,29 @@ impl Outer {
                 self.parameters = old;
                 let _ = refusals.push(Refused::Parameter(*write, refusal));
             }
+        }
+    }
+
+    /// Keeps the newest attitude from outside, while it is fresh. Without a position, a thrust
+    /// above the weight is what says that the vehicle has left the ground.
+    fn take_attitude(&mut self, snapshot: &Snapshot, dt: u32) {
+        let newest = snapshot
+            .inputs
+            .attitude
+            .iter()
+            .rev()
+            .find(|setpoint| setpoint.is_valid());
+        self.attitude = match (newest, self.attitude) {
+            (Some(setpoint), _) => Some((*setpoint, 0)),
+            (None, Some((setpoint, age))) if age < ATTITUDE_TIMEOUT => {
+                Some((setpoint, age.saturating_add(dt)))
+            }
+            (None, _) => None,
+        };
+        if let (Phase::Attitude, Some((setpoint, _))) = (self.phase, &self.attitude)
+            && setpoint.thrust > self.parameters.vehicle.mass * GRAVITY
+        {
+            self.landed = false;
         }
     }
 
@@ -333,7 +365,7 @@ impl Outer {
     ) -> Result<(), Blocker> {
         match command {
             Command::Arm if stopped => Err(Blocker::Stopped),
-            Command::Arm if !self.estimate.is_known() => Err(Blocker::NoEstimate),
+            Command::Arm if !self.estimate.is_known() && self.attitude.is_none() => Err(Blocker::NoEstimate),
             Command::Arm if self.phase == Phase::Disarmed => {
                 self.phase = Phase::Armed;
                 self.ground = self.estimate.position.z;
@@ -347,9 +379,17 @@ impl Outer {
             }
             Command::StartMission => self.start_mission(source),
             Command::StartOffboard if self.phase == Phase::Disarmed => Err(Blocker::NotArmed),
+            Command::StartOffboard if !self.estimate.is_known() => Err(Blocker::NoEstimate),
             Command::StartOffboard if self.offboard.is_none() => Err(Blocker::NoSetpoint),
             Command::StartOffboard => {
                 self.phase = Phase::Offboard;
+                Ok(())
+            }
+            Command::StartAttitude if self.phase == Phase::Disarmed => Err(Blocker::NotArmed),
+            Command::StartAttitude if self.attitude.is_none() => Err(Blocker::NoSetpoint),
+            Command::StartAttitude => {
+                self.phase = Phase::Attitude;
+                self.mission = None;
                 Ok(())
             }
             Command::CommitMission(commit) => self.commit_mission(&commit, source),
@@ -388,6 +428,9 @@ impl Outer {
         if self.phase == Phase::Disarmed {
             return Err(Blocker::NotArmed);
         }
+        if !self.estimate.is_known() {
+            return Err(Blocker::NoEstimate);
+        }
         let stored = self.stored.ok_or(Blocker::NoMission)?;
         let heading = self.estimate.attitude.heading();
         let around = Surroundings {
@@ -414,7 +457,7 @@ impl Outer {
             self.landed = false;
         }
         match self.phase {
-            Phase::Disarmed | Phase::Armed => None,
+            Phase::Disarmed | Phase::Armed | Phase::Attitude => None,
             Phase::Offboard => self.offboard,
             Phase::Mission => {
                 let around = Surroundings {
@@ -447,7 +490,10 @@ impl Outer {
         };
         let Some(trajectory) = trajectory.filter(|_| self.estimate.is_known()) else {
             self.position.reset();
-            return level;
+            return match self.attitude {
+                Some((setpoint, _)) if self.phase == Phase::Attitude => setpoint,
+                _ => level,
+            };
         };
         let estimate = PositionEstimate {
             position: self.estimate.position,

@@ -16,6 +16,21 @@ parameters! {
     }
 }
 
+parameters! {
+    /// What the board is set up with when it starts; a change acts at the next start.
+    pub struct BoardParameters {
+        imu_rate: "IMU_GYRO_RATEMAX", "Hz", 1000.0..=4000.0, 1000.0, "Samples of the inertial sensors a second: 4000, and 1000 for anything less; acts at the next start";
+        pwm_rate: "MOT_PWM_RATE", "Hz", 50.0..=490.0, 400.0, "Pulses to the motors a second; acts at the next start";
+    }
+}
+
+impl BoardParameters {
+    /// Samples of the inertial sensors per second: a rate that the schedule and the part know.
+    pub fn imu_rate(&self) -> u32 {
+        if self.imu_rate >= 4000.0 { 4000 } else { 1000 }
+    }
+}
+
 parameter_groups! {
     /// All parameters of the core.
     pub struct Parameters {
@@ -26,6 +41,7 @@ parameter_groups! {
         observer: ObserverParameters,
         mission: MissionParameters,
         calibration: CalibrationParameters,
+        board: BoardParameters,
     }
 }
 
@@ -78,6 +94,17 @@ mod tests {
                 "{name}: {}",
                 declaration.text
             );
+        }
+    }
+
+    #[test]
+    fn every_rate_that_can_be_set_is_one_that_the_schedule_knows() {
+        for rate in [1000.0, 1000.5, 2000.0, 3999.9, 4000.0] {
+            let board = BoardParameters {
+                imu_rate: rate,
+                ..Default::default()
+            };
+            assert!([1000, 4000].contains(&board.imu_rate()), "{rate}");
         }
     }
 

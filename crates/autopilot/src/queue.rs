@@ -6,6 +6,7 @@
 
 use heapless::{Deque, Vec};
 use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3, scalar};
 
 /// A bounded queue that counts what it could not take.
@@ -106,6 +107,8 @@ outer_inputs! {
     parameter: ParameterWrite, 8, 4;
     /// Trajectory setpoints from outside.
     setpoint: TrajectorySetpoint, 2, 2;
+    /// Attitude and thrust from outside.
+    attitude: AttitudeSetpoint, 2, 2;
 }
 
 /// Position, velocity and attitude as somebody outside knows them, at the time of the snapshot.
@@ -141,6 +144,8 @@ pub enum Command {
     StartMission,
     /// Follow the trajectory setpoints that come from outside.
     StartOffboard,
+    /// Follow the attitude and thrust that come from outside; no position is needed.
+    StartAttitude,
     /// A mission was committed to storage: from now on it is this one.
     CommitMission(MissionCommit),
 }

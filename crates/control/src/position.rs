@@ -102,6 +102,17 @@ pub struct AttitudeSetpoint {
     pub thrust: f32,
 }
 
+impl AttitudeSetpoint {
+    /// Whether it may come in from outside: all finite, a rotation, and a thrust that is not
+    /// negative.
+    pub fn is_valid(&self) -> bool {
+        let norm = self.attitude.dot(self.attitude);
+        (0.98..1.02).contains(&norm)
+            && scalar::is_finite(self.rate)
+            && (0.0..f32::INFINITY).contains(&self.thrust)
+    }
+}
+
 /// Position and height control with its integrals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PositionController {

@@ -2,8 +2,11 @@
 //!
 //! A kind is declared once, below. Items carry the tick of the boundary at which they were frozen.
 
-use windhover_autopilot::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Urgent};
+use windhover_autopilot::{
+    Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues, Urgent,
+};
 use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::record;
@@ -46,6 +49,23 @@ macro_rules! inputs {
                 }
             }
 
+            /// Writes the fields; the topic's number.
+            pub fn put(&self, out: &mut Encoder<'_>) -> u16 {
+                match self {
+                    $(Self::$Kind(item) => {
+                        item.put(out);
+                        <$Item as Topic>::TOPIC.id
+                    })*
+                }
+            }
+
+            /// Puts it into its queue.
+            pub fn queue(self, queues: &mut Queues) {
+                match self {
+                    $(Self::$Kind(item) => queues.$queue.push(item),)*
+                }
+            }
+
             /// Puts it where the outer step finds it; `false` when there are too many.
             pub fn put_into(self, inputs: &mut OuterInputs) -> bool {
                 match self {
@@ -75,12 +95,14 @@ inputs! {
     command: Command(Command) = 9, "input_command";
     parameter: Parameter(ParameterWrite) = 10, "input_parameter" { index: u16, value: f32 };
     setpoint: Setpoint(TrajectorySetpoint) = 11, "input_setpoint" { position: Vector3, velocity: Vector3, acceleration: Vector3, jerk: Vector3, heading: f32, heading_rate: f32 };
+    attitude: Attitude(AttitudeSetpoint) = 12, "input_attitude" { attitude: Quaternion, rate: Vector3, thrust: f32 };
 }
 
 /// A command as its record has it; the last three are 0 for all but a commit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct FlatCommand {
-    /// 0 arm, 1 disarm, 2 start mission, 3 start offboard, 4 commit mission.
+    /// 0 arm, 1 disarm, 2 start mission, 3 start offboard, 4 commit mission,
+    /// 5 start attitude.
     pub command: u8,
     pub slot: u8,
     pub count: u16,
@@ -105,6 +127,7 @@ impl From<Command> for FlatCommand {
             Command::Disarm => plain(1),
             Command::StartMission => plain(2),
             Command::StartOffboard => plain(3),
+            Command::StartAttitude => plain(5),
             Command::CommitMission(MissionCommit { slot, count, crc }) => Self {
                 command: 4,
                 slot,
@@ -134,6 +157,7 @@ impl Record for Command {
                 count: flat.count,
                 crc: flat.crc,
             })),
+            5 => Some(Self::StartAttitude),
             _ => None,
         }
     }

@@ -35,6 +35,7 @@ pub mod record;
 mod ring;
 pub mod topics;
 pub mod value;
+pub mod version;
 pub mod views;
 pub mod wire;
 
@@ -43,7 +44,7 @@ pub use crc::{crc32, mission_crc};
 pub use hash::{period_hash, result_hash};
 pub use header::{Header, HeaderWriter, InfoValue};
 pub use inputs::Input;
-pub use logger::{Logger, LoggerConfig};
+pub use logger::{Latest, Logger, LoggerConfig, Reporter};
 pub use motors::MotorBatch;
 pub use plan::{Plan, PlanItem, PlanKind};
 pub use record::{Record, Topic};

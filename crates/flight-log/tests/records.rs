@@ -96,7 +96,7 @@ proptest! {
     #[test]
     fn commands_come_back(slot: u8, count: u16, crc: u32) {
         let commit = Command::CommitMission(MissionCommit { slot, count, crc });
-        for command in [Command::Arm, Command::Disarm, Command::StartMission, Command::StartOffboard, commit] {
+        for command in [Command::Arm, Command::Disarm, Command::StartMission, Command::StartOffboard, Command::StartAttitude, commit] {
             let bytes = bytes_of(|out| command.put(out));
             prop_assert_eq!(Command::get(&mut Decoder::new(&bytes)), Some(command));
         }

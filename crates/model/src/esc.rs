@@ -7,6 +7,29 @@
 /// What the board sends to the four rotors, in the core's order; `None`: no pulses.
 pub type Command = Option<[u16; 4]>;
 
+/// The pulse that stops a motor, in µs: so does every shorter one.
+pub const PULSE_STOP_US: u64 = 1000;
+
+/// The pulse for full speed, in µs.
+pub const PULSE_FULL_US: u64 = 2000;
+
+/// What is longer, in µs, is no pulse for a motor, and stops it.
+pub const PULSE_LIMIT_US: u64 = 2500;
+
+/// The command that a controller takes a pulse for: 65535·ω/ω_max, linear between
+/// [`PULSE_STOP_US`] and [`PULSE_FULL_US`], to the nearest. `None` stops the motor.
+///
+/// `high` is the length of the pulse in ticks, of which a microsecond has so many.
+pub fn pulse_command(high: u64, ticks_per_microsecond: u64) -> Option<u16> {
+    let stop = PULSE_STOP_US * ticks_per_microsecond;
+    let range = (PULSE_FULL_US - PULSE_STOP_US) * ticks_per_microsecond;
+    if high <= stop || high > PULSE_LIMIT_US * ticks_per_microsecond {
+        return None;
+    }
+    let part = (high - stop).min(range);
+    Some(((part * u64::from(u16::MAX) + range / 2) / range) as u16)
+}
+
 /// The compare preload of a PWM timer. Frames lie at whole multiples of the period since time
 /// 0, counted in integers, so that they never drift.
 #[derive(Clone, Debug)]
@@ -147,6 +170,24 @@ mod tests {
                 fraction,
             };
             assert_eq!(latched, expected, "step {i}");
+        }
+    }
+
+    #[test]
+    fn a_pulse_is_linear_from_1_to_2_ms() {
+        let pulses = [
+            (0, None),
+            (900_000, None),
+            (1_000_000, None),
+            (1_000_001, Some(0)),
+            (1_250_000, Some(16_384)),
+            (1_500_000, Some(32_768)),
+            (2_000_000, Some(65_535)),
+            (2_400_000, Some(65_535)),
+            (2_500_001, None),
+        ];
+        for (high, command) in pulses {
+            assert_eq!(pulse_command(high, 1000), command, "{high} ns");
         }
     }
 

@@ -12,7 +12,8 @@
 //!   by [`integrate`]; [`kinematics`] is what they have in common, [`divergence`] where they end.
 //! - [`esc`], [`rotor`]: from motor commands to forces and torques.
 //! - [`wind`], [`push`], [`payload`], [`body`], [`ground`]: what else acts on the vehicle.
-//! - [`imu`]: what an ideal IMU reads; [`random`]: random numbers.
+//! - [`imu`]: what an ideal IMU reads; [`sensor`]: parts as the bus sees them; [`random`]:
+//!   random numbers.
 
 pub mod body;
 pub mod conditions;
@@ -30,6 +31,7 @@ pub mod push;
 pub mod random;
 pub mod rigid;
 pub mod rotor;
+pub mod sensor;
 pub mod simple;
 pub mod truth;
 pub mod vehicle;

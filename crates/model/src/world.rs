@@ -131,7 +131,7 @@ impl World {
 
     /// Moves the world `dt` seconds forward (0 to 1, rounded to whole nanoseconds) while
     /// `command` is written to the motors. After a crash or a divergence only time goes on.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, dt: f64, command: Command) {
         let ns = (dt.clamp(0.0, 1.0) * 1e9 + 0.5) as u64;
         if ns != self.span.ns {

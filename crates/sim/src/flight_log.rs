@@ -8,7 +8,7 @@ use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Parameters, ScheduleRecord, Snapshot};
 use windhover_flight_log::views::Truth as LoggedTruth;
 use windhover_flight_log::{
-    Header, HeaderWriter, InfoValue, Logger, LoggerConfig, Plan, PlanKind, mission_crc,
+    Header, HeaderWriter, InfoValue, Logger, LoggerConfig, Plan, PlanKind, mission_crc, version,
 };
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::Truth;
@@ -61,8 +61,8 @@ impl FlightLog {
         }];
         let header = Header {
             time: 0,
-            commit: env!("WINDHOVER_COMMIT"),
-            release: release(),
+            commit: version::COMMIT,
+            release: version::RELEASE,
             board: "desktop",
             inner: setup.inner_config(),
             parameters,
@@ -170,16 +170,4 @@ fn header_bytes(header: Header<'_>, mission: &[MissionItem]) -> Vec<u8> {
         bytes.extend_from_slice(chunk);
     }
     bytes
-}
-
-/// The version of this program as PX4 writes it: 0xMMmmpptt.
-fn release() -> u32 {
-    let number = |text: &str| text.parse::<u32>().unwrap_or(0) & 0xff;
-    let [major, minor, patch] = [
-        env!("CARGO_PKG_VERSION_MAJOR"),
-        env!("CARGO_PKG_VERSION_MINOR"),
-        env!("CARGO_PKG_VERSION_PATCH"),
-    ]
-    .map(number);
-    major << 24 | minor << 16 | patch << 8
 }

@@ -1,5 +1,7 @@
 //! What is soldered to the microcontroller's pins.
 
+use std::fmt;
+
 /// A pin: port 0 is A.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Pin {
@@ -16,6 +18,12 @@ impl Pin {
             port: port as u8 - b'A',
             number,
         }
+    }
+}
+
+impl fmt::Display for Pin {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(formatter, "P{}{}", char::from(b'A' + self.port), self.number)
     }
 }
 

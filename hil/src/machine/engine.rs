@@ -178,7 +178,7 @@ pub(super) fn set_rights(core: &mut Core, clock: Rc<Clock>) -> Result<(), uc_err
 pub(super) fn watch_accesses(
     core: &mut Core,
     clock: Rc<Clock>,
-    mut program: impl FnMut(u32, u32, u32) -> bool + 'static,
+    mut program: impl FnMut(&mut Unicorn<'_, ()>, u32, u32, u32) -> bool + 'static,
 ) -> Result<(), uc_error> {
     let invalid = HookType::MEM_READ_UNMAPPED
         | HookType::MEM_WRITE_UNMAPPED
@@ -186,11 +186,11 @@ pub(super) fn watch_accesses(
         | HookType::MEM_READ_PROT
         | HookType::MEM_WRITE_PROT
         | HookType::MEM_FETCH_PROT;
-    core.add_mem_hook(invalid, 1, 0, move |_, access, address, size, value| {
+    core.add_mem_hook(invalid, 1, 0, move |core, access, address, size, value| {
         let address = address as u32;
         match access {
             MemType::WRITE_PROT if within(address, size as u32, FLASH, FLASH_SIZE) => {
-                if program(address, size as u32, value as u32) {
+                if program(core, address, size as u32, value as u32) {
                     return true;
                 }
                 clock.cause.set(Cause::Refused);

@@ -27,8 +27,8 @@ pub(super) fn install<B: Bus + 'static>(
     install_registers(core, system, clock, PRIVATE, PRIVATE_SIZE)?;
     engine::set_rights(core, clock.clone())?;
     let (programmed, time) = (system.clone(), clock.clone());
-    engine::watch_accesses(core, clock.clone(), move |address, size, value| {
-        programmed.borrow_mut().program(&time, address, size, value)
+    engine::watch_accesses(core, clock.clone(), move |core, address, size, value| {
+        programmed.borrow_mut().program(core, &time, address, size, value)
     })?;
     install_blocks(core, clock.clone(), blocks.clone())?;
     install_exceptions(core, clock.clone())

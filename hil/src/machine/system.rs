@@ -118,8 +118,22 @@ impl<B: Bus> System<B> {
     }
 
     /// The processor stores into flash; false if it must not.
-    pub fn program(&mut self, clock: &Clock, address: u32, size: u32, value: u32) -> bool {
-        match self.bus.store_to_flash(clock.now.get(), address, size, value) {
+    pub fn program(
+        &mut self,
+        core: &mut Unicorn<'_, ()>,
+        clock: &Clock,
+        address: u32,
+        size: u32,
+        value: u32,
+    ) -> bool {
+        let mut memory = CoreMemory {
+            core,
+            flash_writes: &mut self.flash_writes,
+        };
+        match self
+            .bus
+            .store_to_flash(clock.now.get(), address, size, value, &mut memory)
+        {
             Ok(value) => {
                 self.flash_writes
                     .push((address, value.to_le_bytes()[..size as usize].to_vec()));

@@ -138,7 +138,14 @@ impl Bus for Tester {
         self.reset_wanted.take()
     }
 
-    fn store_to_flash(&mut self, _: u64, address: u32, _: u32, _: u32) -> Result<u32, Violation> {
+    fn store_to_flash(
+        &mut self,
+        _: u64,
+        address: u32,
+        _: u32,
+        _: u32,
+        _: &mut dyn Memory,
+    ) -> Result<u32, Violation> {
         Err(Violation::Misuse {
             peripheral: "flash",
             what: format!("store to {address:#010x} while locked"),

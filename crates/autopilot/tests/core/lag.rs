@@ -167,6 +167,24 @@ fn waypoints_passed_too_far_away_are_missed() {
     );
 }
 
+/// The last waypoint before a stop is missed too, where the stop itself is reached.
+#[test]
+fn a_waypoint_missed_before_a_stop_is_told() {
+    let parameters = MissionParameters {
+        slow_error: 50.0,
+        stop_error: 100.0,
+        ..Default::default()
+    };
+    let items = [waypoint(10.0, 0.0, 10.0), waypoint(30.0, 0.0, 10.0)];
+    let beside_at_first = |_: f32, setpoint: &TrajectorySetpoint| {
+        let off = if setpoint.position.x < 20.0 { 2.5 } else { 0.0 };
+        (setpoint.position + Vector3::z() * off, setpoint.velocity)
+    };
+    let flown = fly(&items, &parameters, 60.0, &beside_at_first);
+    use MissionEvent::{Finished, Missed, Reached};
+    assert_eq!(events(&flown), [Reached(1), Missed(0), Finished]);
+}
+
 /// When the mission is over, so are its photos by time.
 #[test]
 fn the_end_of_a_mission_ends_its_photos() {

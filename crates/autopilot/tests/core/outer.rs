@@ -6,6 +6,7 @@ use windhover_autopilot::{
     OuterResult, ParameterWrite, Parameters, Phase, Refused, Snapshot, Stop, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{GRAVITY, Quaternion, Vector3, scalar};
 use windhover_parameters::Refusal;
 
@@ -359,4 +360,82 @@ fn the_newest_good_estimate_counts() {
         desk.inputs.external.push(estimate).unwrap();
     }
     assert_eq!(desk.step().report.estimate.position, Vector3::x() * 2.0);
+}
+
+fn tilted(thrust: f32) -> AttitudeSetpoint {
+    AttitudeSetpoint {
+        attitude: Quaternion::from_rotation_vector(Vector3::new(0.2, 0.0, 0.0)),
+        rate: Vector3::zeros(),
+        thrust,
+    }
+}
+
+/// Without a position there is one way to fly, and only that one.
+#[test]
+fn attitude_from_outside_needs_no_position() {
+    let mut desk = Desk::new();
+    desk.estimate = None;
+    let refused = |result: &OuterResult| result.report.refusals.first().copied();
+    let result = desk.command(Command::Arm);
+    assert_eq!(
+        refused(&result),
+        Some(Refused::Command(Command::Arm, Blocker::NoEstimate))
+    );
+    desk.inputs.attitude.push(tilted(9.0)).unwrap();
+    assert_eq!(desk.command(Command::Arm).motors, MotorState::Idle);
+    for command in [Command::StartMission, Command::StartOffboard] {
+        let result = desk.command(command);
+        assert_eq!(
+            refused(&result),
+            Some(Refused::Command(command, Blocker::NoEstimate))
+        );
+    }
+    let result = desk.command(Command::StartAttitude);
+    assert_eq!(
+        (result.report.phase, result.motors),
+        (Phase::Attitude, MotorState::Run)
+    );
+    assert_eq!(result.setpoint, tilted(9.0));
+}
+
+/// Half a second without a new attitude: level, and slowly down.
+#[test]
+fn an_attitude_from_outside_grows_old() {
+    let mut desk = Desk::new();
+    desk.estimate = None;
+    desk.inputs.attitude.push(tilted(9.0)).unwrap();
+    desk.command(Command::Arm);
+    desk.command(Command::StartAttitude);
+    let steps = (0..200)
+        .take_while(|_| desk.step().setpoint == tilted(9.0))
+        .count();
+    assert!((120..=127).contains(&steps), "{steps} steps of 4 ms");
+    let result = desk.step();
+    assert!(result.setpoint.attitude.down_axis().z > 0.999);
+    assert!(result.setpoint.thrust < 0.65 * 9.81);
+    assert_eq!(result.motors, MotorState::Run);
+}
+
+/// What is no attitude stays outside, and does not keep an old one fresh either.
+#[test]
+fn an_attitude_that_is_none_stays_outside() {
+    let no_number = |change: fn(&mut AttitudeSetpoint)| {
+        let mut setpoint = tilted(5.0);
+        change(&mut setpoint);
+        setpoint
+    };
+    for bad in [
+        no_number(|s| s.thrust = -0.1),
+        no_number(|s| s.thrust = f32::NAN),
+        no_number(|s| s.thrust = f32::INFINITY),
+        no_number(|s| s.rate.y = f32::NAN),
+        no_number(|s| s.attitude.w = f32::NAN),
+        no_number(|s| s.attitude = Quaternion::new(0.0, 0.0, 0.0, 0.0)),
+    ] {
+        let mut desk = Desk::new();
+        desk.estimate = None;
+        desk.inputs.attitude.push(bad).unwrap();
+        let result = desk.command(Command::Arm);
+        assert_eq!(result.motors, MotorState::Disarmed, "{bad:?}");
+    }
 }

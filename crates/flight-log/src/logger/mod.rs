@@ -10,22 +10,25 @@
 //! step made of it, before the tick that adopts it.
 
 mod config;
-mod outputs;
+mod outlet;
+mod reporter;
 
-use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, ScheduleRecord};
+use windhover_autopilot::{InnerInput, MotorCommand, OuterInputs, OuterResult, ScheduleRecord, Snapshot};
 
 use crate::batch::{ImuBatch, ImuTimes};
-use crate::hash::period_hash;
+use crate::hash::{period_hash, result_hash};
 use crate::header::InfoValue;
 use crate::inputs::Sink;
 use crate::motors::MotorBatch;
 use crate::plan::PlanItem;
 use crate::record::{Record, Topic, data};
-use crate::ring::Ring;
-use crate::views::{FlightPhase, Gap, Leg, TickCounts};
-use crate::wire::{self, Encoder, kind, message};
+use crate::views::Gap;
+use crate::wire::{self, kind, message};
+
+use outlet::Outlet;
 
 pub use config::{LoggerConfig, nominal_step};
+pub use reporter::{Latest, Reporter};
 
 /// The longest message of all.
 const LONGEST: usize = 256;
@@ -36,10 +39,10 @@ const SLOW: u32 = 250;
 /// The logger with its ring of `N` bytes.
 #[derive(Clone, Debug)]
 pub struct Logger<const N: usize> {
-    config: LoggerConfig,
     k: usize,
     nominal: u64,
-    ring: Ring<N>,
+    out: Outlet<N>,
+    reporter: Reporter,
     imu: ImuBatch,
     motors: MotorBatch,
     /// Hash of the outer result that was not adopted yet.
@@ -47,15 +50,8 @@ pub struct Logger<const N: usize> {
     /// Hash of the outer result with which this period began.
     adopted: Option<u32>,
     tick: u32,
-    time: u64,
     periods: u32,
-    views: u32,
-    phase: Option<(FlightPhase, bool)>,
-    leg: Option<Leg>,
-    counts: TickCounts,
-    /// First tick of the gap that is open.
-    gap: Option<u32>,
-    dropout_since: Option<u64>,
+    missed: u32,
     dropped_inputs: u32,
     scratch: [u8; LONGEST],
 }
@@ -68,16 +64,13 @@ enum Class {
 }
 
 impl<const N: usize> Logger<N> {
-    /// What outputs leave free.
-    const RESERVE: usize = N / 2;
-
     /// Empty, before the first tick.
     pub fn new(config: LoggerConfig) -> Self {
         Self {
             k: config.k(),
             nominal: config.nominal(),
-            config,
-            ring: Ring::new(),
+            reporter: Reporter::new(config),
+            out: Outlet::new(),
             imu: ImuBatch::new(ScheduleRecord {
                 tick: 0,
                 adopted: false,
@@ -87,14 +80,8 @@ impl<const N: usize> Logger<N> {
             result: None,
             adopted: None,
             tick: 0,
-            time: 0,
             periods: 0,
-            views: 0,
-            phase: None,
-            leg: None,
-            counts: TickCounts::default(),
-            gap: None,
-            dropout_since: None,
+            missed: 0,
             dropped_inputs: 0,
             scratch: [0; LONGEST],
         }
@@ -103,7 +90,7 @@ impl<const N: usize> Logger<N> {
     /// One tick of the inner step: what it took, what it commanded, and what the boundary did.
     #[inline]
     pub fn tick(&mut self, input: &InnerInput, motors: MotorCommand, record: Option<ScheduleRecord>) {
-        self.time = input.imu.time();
+        self.out.time = input.imu.time();
         if let Some(record) = record {
             self.boundary(record);
         }
@@ -113,7 +100,7 @@ impl<const N: usize> Logger<N> {
         }
         self.motors.push(motors);
         if let Some(urgent) = input.urgent {
-            let (tick, time) = (self.tick, self.time);
+            let (tick, time) = (self.tick, self.out.time);
             self.input(tick, time, &urgent);
         }
         self.tick = self.tick.wrapping_add(1);
@@ -124,19 +111,20 @@ impl<const N: usize> Logger<N> {
         self.flush();
         self.tick = record.tick;
         self.periods = self.periods.wrapping_add(1);
-        if let Some(from) = self.gap
-            && self.ring.free() > Self::RESERVE
+        self.missed = self.missed.wrapping_add(u32::from(!record.snapshot_taken));
+        if let Some(from) = self.out.gap
+            && self.out.ring.free() > Outlet::<N>::RESERVE
         {
             let gap = Gap {
                 from,
                 until: record.tick,
             };
-            self.gap = None;
-            self.end_dropout();
-            let time = self.time;
+            self.out.gap = None;
+            self.out.end_dropout();
+            let time = self.out.time;
             let length = data(&mut self.scratch, Gap::TOPIC.id, time, |out| gap.put(out));
             if !self.push(Class::Input, length) {
-                self.gap = Some(from);
+                self.out.gap = Some(from);
             }
         }
         if self.periods.is_multiple_of(SLOW) {
@@ -155,7 +143,7 @@ impl<const N: usize> Logger<N> {
             return;
         }
         let (k, nominal, tick) = (self.k, self.nominal, self.imu.record.tick);
-        if self.gap.is_some() {
+        if self.out.gap.is_some() {
             self.lose(tick);
         } else if self.flush_inputs(k, nominal) {
             self.motors.hash = period_hash(self.adopted, self.motors.commands());
@@ -206,11 +194,43 @@ impl<const N: usize> Logger<N> {
         .take_all(inputs);
     }
 
+    /// What the outer step made of a snapshot.
+    pub fn result(&mut self, snapshot: &Snapshot, result: &OuterResult) {
+        self.announce(result_hash(result));
+        let latest = self.latest();
+        let out = &mut self.out;
+        self.reporter.report(snapshot, result, || latest, &mut |message| {
+            out.message(message);
+        });
+    }
+
+    /// The hash of the outer result that the next boundary may adopt: [`result_hash`].
+    pub fn announce(&mut self, hash: u32) {
+        self.result = Some(hash);
+    }
+
+    /// What views show of the ticks so far.
+    pub fn latest(&self) -> Latest {
+        Latest {
+            imu: usize::from(self.imu.count)
+                .checked_sub(1)
+                .and_then(|last| self.imu.imu(last)),
+            motors: self.motors.commands().last().copied(),
+            missed: self.missed,
+            dropped_outputs: self.out.dropped_outputs,
+        }
+    }
+
+    /// A whole message for people, as [`Reporter`] makes them. `false` when it found no room.
+    pub fn message(&mut self, message: &[u8]) -> bool {
+        self.out.message(message)
+    }
+
     /// An item that was stored in flight, before a command commits to it.
     pub fn plan_item(&mut self, item: &PlanItem) {
-        let time = self.time;
+        let time = self.out.time;
         let length = data(&mut self.scratch, PlanItem::TOPIC.id, time, |out| item.put(out));
-        if self.gap.is_some() || !self.push(Class::Input, length) {
+        if self.out.gap.is_some() || !self.push(Class::Input, length) {
             let tick = self.imu.record.tick;
             self.lose(tick);
         }
@@ -221,7 +241,7 @@ impl<const N: usize> Logger<N> {
             out.bytes(tick.to_le_bytes());
             item.put(out);
         });
-        if self.gap.is_some() || !self.push(Class::Input, length) {
+        if self.out.gap.is_some() || !self.push(Class::Input, length) {
             let tick = self.imu.record.tick;
             self.lose(tick);
         }
@@ -229,8 +249,8 @@ impl<const N: usize> Logger<N> {
 
     /// An input of this period is lost, and with it the period.
     fn lose(&mut self, tick: u32) {
-        self.gap.get_or_insert(tick);
-        self.dropout_since.get_or_insert(self.time);
+        self.out.gap.get_or_insert(tick);
+        self.out.dropout_since.get_or_insert(self.out.time);
         self.dropped_inputs = self.dropped_inputs.saturating_add(1);
     }
 
@@ -259,37 +279,12 @@ impl<const N: usize> Logger<N> {
     /// Puts the message in `scratch` into the ring.
     #[inline]
     fn push(&mut self, class: Class, length: Option<usize>) -> bool {
-        let message = length.and_then(|length| self.scratch.get(..length));
-        let needed = message.map_or(N, <[u8]>::len) + if class == Class::Output { Self::RESERVE } else { 0 };
-        if class == Class::Output {
-            // A dropout message goes first where one is due.
-            let due = if self.dropout_since.is_some() { DROPOUT } else { 0 };
-            if self.ring.free() < needed + due {
-                self.counts.dropped_outputs = self.counts.dropped_outputs.saturating_add(1);
-                self.dropout_since.get_or_insert(self.time);
-                return false;
-            }
-            if due > 0 && self.gap.is_none() {
-                self.end_dropout();
-            }
+        if class == Class::Output && !self.out.make_room(length.unwrap_or(N)) {
+            return false;
         }
         match length.and_then(|length| self.scratch.get(..length)) {
-            Some(message) => self.ring.push(message),
+            Some(message) => self.out.ring.push(message),
             None => false,
-        }
-    }
-
-    fn end_dropout(&mut self) {
-        let Some(since) = self.dropout_since.take() else {
-            return;
-        };
-        let lost = (self.time.saturating_sub(since) / 1000).clamp(1, u64::from(u16::MAX)) as u16;
-        let mut buffer = [0; DROPOUT];
-        let length = message(&mut buffer, kind::DROPOUT, |out: &mut Encoder<'_>| {
-            out.bytes(lost.to_le_bytes());
-        });
-        if length.is_none() || !self.ring.push(&buffer) {
-            self.dropout_since = Some(since);
         }
     }
 
@@ -300,17 +295,17 @@ impl<const N: usize> Logger<N> {
 
     /// Moves bytes out, the oldest first, messages cut anywhere; how many.
     pub fn drain(&mut self, to: &mut [u8]) -> usize {
-        self.ring.drain(to)
+        self.out.ring.drain(to)
     }
 
     /// How many bytes wait.
     pub fn waiting(&self) -> usize {
-        self.ring.len()
+        self.out.ring.len()
     }
 
     /// Outputs and views that found no room.
     pub fn dropped_outputs(&self) -> u32 {
-        self.counts.dropped_outputs
+        self.out.dropped_outputs
     }
 
     /// Inputs that found no room, a whole period counted as one.
@@ -318,9 +313,6 @@ impl<const N: usize> Logger<N> {
         self.dropped_inputs
     }
 }
-
-/// Bytes of a dropout message.
-const DROPOUT: usize = 5;
 
 struct Inputs<'a, const N: usize> {
     logger: &'a mut Logger<N>,

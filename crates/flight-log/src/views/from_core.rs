@@ -17,6 +17,7 @@ pub const fn phase_code(phase: Phase) -> u8 {
         Phase::Armed => 1,
         Phase::Mission => 2,
         Phase::Offboard => 3,
+        Phase::Attitude => 4,
     }
 }
 
@@ -165,7 +166,7 @@ impl VehicleStatus {
             nav_state: match result.report.phase {
                 Phase::Mission => 3,
                 Phase::Disarmed | Phase::Armed => 4,
-                Phase::Offboard => 14,
+                Phase::Offboard | Phase::Attitude => 14,
             },
             vehicle_type: 1,
             failsafe: snapshot.stopped == Some(Stop::ImuMissing),

@@ -164,7 +164,7 @@ views! {
     }
     /// The state in our numbers; on change and once a second.
     FlightPhase = 40, "phase" {
-        /// 0 disarmed, 1 armed, 2 mission, 3 offboard.
+        /// 0 disarmed, 1 armed, 2 mission, 3 offboard, 4 attitude from outside.
         phase: u8,
         /// 0 disarmed, 1 idle, 2 run.
         motors: u8,
@@ -218,6 +218,27 @@ views! {
         saturated: u32,
         /// Messages for people that found no room.
         dropped_outputs: u32,
+        /// Boundaries at which the outer step was still at work.
+        missed: u32,
+    }
+    /// How the board does; once a second, boards only.
+    BoardHealth = 46, "board_health" {
+        /// Share of the processor's time in which it did not sleep.
+        load: f32,
+        /// Share of the processor's time in the inner loop, from data-ready to the next wait.
+        load_inner: f32,
+        /// Share of the processor's time in the outer loop, interruptions included.
+        load_outer: f32,
+        /// The deepest that the stack has been since start, bytes.
+        stack_used: u32,
+        /// Size of the stack, bytes.
+        stack_size: u32,
+        /// The longest time from data-ready to the motors' compare registers, µs.
+        latency_max: u32,
+        /// Bursts from the inertial sensors that failed since start.
+        imu_errors: u32,
+        /// Bytes that waited for the log's port at most.
+        log_waiting_max: u32,
     }
     /// Inputs are missing from the tick `from` to before `until`.
     Gap = 6, "gap" {

@@ -9,6 +9,7 @@ use windhover_autopilot::{
     MotorCommand, Outer, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::views::Truth;
 use windhover_flight_log::{
     Header, HeaderWriter, InfoValue, Logger, LoggerConfig, Plan, PlanKind, mission_crc,
@@ -259,10 +260,18 @@ impl<const N: usize> Bench<N> {
                 .push(ParameterWrite { index, value });
             let at = TrajectorySetpoint::at_rest(Vector3::new(value, 0.0, -1.0), 0.0);
             self.mailboxes.queues.setpoint.push(at);
-            self.mailboxes
-                .queues
-                .command
-                .push([Command::Arm, Command::StartOffboard, Command::Disarm][r.below(3)]);
+            self.mailboxes.queues.attitude.push(AttitudeSetpoint {
+                attitude: Quaternion::from_heading(value),
+                rate: Vector3::zeros(),
+                thrust: value,
+            });
+            let commands = [
+                Command::Arm,
+                Command::StartOffboard,
+                Command::StartAttitude,
+                Command::Disarm,
+            ];
+            self.mailboxes.queues.command.push(commands[r.below(4)]);
         }
     }
 

@@ -1,0 +1,16 @@
+//! Drivers of the parts on a flight board.
+//!
+//! A driver turns bus transactions into what the part measured, as the part says it: raw counts
+//! in the part's own axes. Scales, rotations and calibration are the sensing border's (crate
+//! `windhover-autopilot`). Buses, pins and delays come in as `embedded-hal` traits.
+//!
+//! Everything here ends: a driver waits only for bounded delays and a bounded number of bus
+//! transactions, and never panics. A bus that does not complete is the owner's to notice: wrap
+//! the calls in a time-out. Dropping a call half-way is safe.
+//!
+//! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
+//! - [`pulse`]: pulses for electronic speed controllers.
+#![no_std]
+
+pub mod icm42688p;
+pub mod pulse;

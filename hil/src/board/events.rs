@@ -1,0 +1,226 @@
+//! What happens by itself: events at their time, and the transfers of DMA that they ask for.
+
+use super::chip::{Chip, Outside, SLOTS, slot};
+use super::dma::requests::Request;
+use super::map::Unit;
+use super::refusal::Answer;
+use super::timer::kinds::TIMERS;
+use super::usart::PORTS;
+use super::{Inputs, ResetCause};
+use crate::time::NEVER;
+use crate::violation::Violation;
+
+/// The peripherals that have events or interrupts, each at its place in [`Chip::next_events`].
+const UNITS: [Unit; SLOTS] = units();
+
+const fn units() -> [Unit; SLOTS] {
+    let mut units = [Unit::Iwdg; SLOTS];
+    let mut timer = 0;
+    while timer < TIMERS.len() {
+        units[timer] = Unit::Timer(timer);
+        timer += 1;
+    }
+    let mut port = 0;
+    while port < PORTS.len() {
+        units[TIMERS.len() + port] = Unit::Usart(port);
+        port += 1;
+    }
+    units[18] = Unit::Spi1;
+    units[19] = Unit::Dma(0);
+    units[20] = Unit::Dma(1);
+    units[21] = Unit::Exti;
+    units[22] = Unit::Rcc;
+    units[23] = Unit::Flash;
+    units
+}
+
+impl Chip {
+    /// Lets everything happen that is due now, here and outside.
+    pub(super) fn advance(&mut self, now: u64, outside: &mut Outside) -> Result<(), Violation> {
+        for (index, unit) in UNITS.into_iter().enumerate() {
+            if self.next_events[index] <= now {
+                self.changed |= 1 << index;
+                self.event(now, unit, outside)?;
+            }
+        }
+        if outside.wiring.next_event() <= now {
+            let mut inputs = std::mem::take(&mut self.inputs);
+            outside.wiring.advance(now, &mut inputs);
+            self.take_inputs(now, &inputs);
+            let Inputs { levels, received } = &mut inputs;
+            levels.clear();
+            received.clear();
+            self.inputs = inputs;
+        }
+        self.settle(now, outside)
+    }
+
+    fn event(&mut self, now: u64, unit: Unit, outside: &mut Outside) -> Result<(), Violation> {
+        match unit {
+            Unit::Timer(index) => {
+                self.timers[index].catch_up(now);
+                self.show_pwm(now, index, outside.wiring)?;
+            }
+            Unit::Usart(index) => {
+                if let Some(byte) = self.usarts[index].advance(now) {
+                    outside.wiring.transmitted(now, PORTS[index].number, byte);
+                }
+            }
+            Unit::Spi1 => self.spi.advance(now, |byte| outside.wiring.spi(now, byte)),
+            Unit::Rcc => {
+                let before = self.rcc.clocks();
+                self.rcc
+                    .advance(now)
+                    .map_err(|refusal| refusal.during(unit.name()))?;
+                if self.rcc.clocks() != before {
+                    self.clocks_changed(now, outside)?;
+                }
+            }
+            Unit::Flash => self.flash.advance(now, outside.memory),
+            Unit::Iwdg if self.iwdg.expires(now) => {
+                self.wanted_reset = Some(ResetCause::IndependentWatchdog);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// After any change: serves DMA, then notes events and interrupts anew.
+    pub(super) fn settle(&mut self, now: u64, outside: &mut Outside) -> Result<(), Violation> {
+        loop {
+            let mut served = false;
+            for index in 0..self.dma.len() {
+                let next = self.dma[index].next_transfer(|request| self.is_high(request));
+                if let Some((stream, request)) = next {
+                    self.transfer(now, index, stream, request, outside)?;
+                    served = true;
+                }
+            }
+            if !served {
+                break;
+            }
+        }
+        self.note_changes();
+        Ok(())
+    }
+
+    fn is_high(&self, request: Request) -> bool {
+        match request {
+            Request::SpiReceive => self.spi.offers_byte(),
+            Request::SpiTransmit => self.spi.requests_byte(),
+            Request::UsartReceive(port) => self.usarts[usize::from(port)].offers_byte(),
+            Request::UsartTransmit(port) => self.usarts[usize::from(port)].requests_byte(),
+            Request::Timer(timer, event) => self.timers[usize::from(timer)].requests_dma(event),
+        }
+    }
+
+    /// Moves one item between a peripheral and memory.
+    fn transfer(
+        &mut self,
+        now: u64,
+        controller: usize,
+        stream: usize,
+        request: Request,
+        outside: &mut Outside,
+    ) -> Result<(), Violation> {
+        let refused = |refusal: super::refusal::Refusal| refusal.during(Unit::Dma(controller).name());
+        if self.dma[controller].transmits(stream) {
+            let (address, value) = self.dma[controller]
+                .take(stream, outside.memory)
+                .map_err(refused)?;
+            self.write_for(now, request, address, value).map_err(refused)?;
+        } else {
+            let address = self.dma[controller].source(stream);
+            let value = self.read_for(now, request, address).map_err(refused)?;
+            self.dma[controller]
+                .put(stream, value, outside.memory)
+                .map_err(refused)?;
+        }
+        self.changed |= slot(Unit::Dma(controller));
+        match request {
+            Request::SpiReceive | Request::SpiTransmit => {
+                self.changed |= slot(Unit::Spi1);
+                self.check_spi_pins()
+            }
+            Request::UsartReceive(port) | Request::UsartTransmit(port) => {
+                self.changed |= slot(Unit::Usart(usize::from(port)));
+                Ok(())
+            }
+            Request::Timer(timer, event) => {
+                let timer = usize::from(timer);
+                self.timers[timer].dma_served(event);
+                self.changed |= slot(Unit::Timer(timer));
+                self.show_pwm(now, timer, outside.wiring)
+            }
+        }
+    }
+
+    fn write_for(&mut self, now: u64, request: Request, address: u32, value: u32) -> Answer<()> {
+        match request {
+            Request::SpiReceive | Request::SpiTransmit => self.spi.write_data(now, value),
+            Request::UsartReceive(port) | Request::UsartTransmit(port) => {
+                self.usarts[usize::from(port)].write_data(now, value)
+            }
+            Request::Timer(timer, _) => self.timers[usize::from(timer)].write(now, address & 0x3FC, value),
+        }
+    }
+
+    fn read_for(&mut self, now: u64, request: Request, address: u32) -> Answer<u32> {
+        match request {
+            Request::SpiReceive | Request::SpiTransmit => Ok(self.spi.read_data()),
+            Request::UsartReceive(port) | Request::UsartTransmit(port) => {
+                Ok(self.usarts[usize::from(port)].read_data())
+            }
+            Request::Timer(timer, _) => self.timers[usize::from(timer)].read(now, address & 0x3FC),
+        }
+    }
+
+    /// Notes when those that changed will next do something, and which interrupts they raise.
+    pub(super) fn note_changes(&mut self) {
+        if self.changed == 0 {
+            return;
+        }
+        let mut changed = std::mem::take(&mut self.changed) & ((1 << SLOTS) - 1);
+        while changed != 0 {
+            let index = changed.trailing_zeros() as usize;
+            changed &= changed - 1;
+            (self.next_events[index], self.lines[index]) = self.state(UNITS[index]);
+        }
+        self.next = self
+            .next_events
+            .iter()
+            .fold(NEVER, |next, event| next.min(*event));
+        self.requested = self.lines.iter().fold(0, |all, lines| all | lines);
+    }
+
+    /// The next event and the request lines of a peripheral.
+    fn state(&self, unit: Unit) -> (u64, u128) {
+        let line = |raised: bool, interrupt: u32| u128::from(raised) << interrupt;
+        match unit {
+            Unit::Timer(index) => (self.timers[index].next_event(), self.timers[index].interrupts()),
+            Unit::Usart(index) => {
+                let usart = &self.usarts[index];
+                (
+                    usart.next_event(),
+                    line(usart.interrupt(), PORTS[index].interrupt),
+                )
+            }
+            Unit::Spi1 => (
+                self.spi.next_event(),
+                line(self.spi.interrupt(), super::spi::INTERRUPT),
+            ),
+            Unit::Dma(index) => (NEVER, self.dma[index].interrupts()),
+            Unit::Exti => (NEVER, self.exti.interrupts()),
+            Unit::Rcc => (
+                self.rcc.next_event(),
+                line(self.rcc.interrupt(), super::rcc::INTERRUPT),
+            ),
+            Unit::Flash => (
+                self.flash.next_event(),
+                line(self.flash.interrupt(), super::flash::INTERRUPT),
+            ),
+            Unit::Iwdg => (self.iwdg.next_event(), 0),
+            _ => (NEVER, 0),
+        }
+    }
+}

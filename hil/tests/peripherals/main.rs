@@ -1,0 +1,17 @@
+//! What the reference manual (RM0090) states of each peripheral, one test a statement, on the bus
+//! without a processor. Each test names the section that states it.
+
+mod bench;
+mod clocks;
+mod dma;
+mod exti;
+mod flash;
+mod gpio;
+mod map;
+mod registers;
+mod reset;
+mod serial;
+mod spi;
+mod timer;
+mod timer_outputs;
+mod watchdog;

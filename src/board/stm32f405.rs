@@ -1,0 +1,136 @@
+//! What all boards with an STM32F405 share: clocks, brown-out, priorities, stack, sleep.
+
+use core::ops::Range;
+
+use cortex_m::peripheral::SCB;
+use embassy_executor::{InterruptExecutor, SendSpawner, Spawner, raw};
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::pac::FLASH;
+use embassy_stm32::time::Hertz;
+use embassy_stm32::{Config, rcc};
+use embassy_time::Instant;
+use static_cell::StaticCell;
+
+use crate::shared::{self, COUNTERS};
+
+/// Processor cycles in a microsecond.
+pub const CYCLES_PER_MICROSECOND: f32 = 168.0;
+
+/// The core-coupled memory, which is all stack (memory.x): below it there is nothing, so that an
+/// overflow faults. DMA cannot reach it.
+pub const STACK: Range<u32> = 0x1000_0000..0x1001_0000;
+
+/// What cortex-m-rt paints the stack with before `main`.
+const PAINT: u32 = 0xcccc_cccc;
+
+/// The executor of the inner loop. Its interrupt, like that of the outer one, is of a peripheral
+/// that no board uses; software raises it.
+pub static INNER: InterruptExecutor = InterruptExecutor::new();
+
+/// The executor of the outer loop.
+pub static OUTER: InterruptExecutor = InterruptExecutor::new();
+
+#[embassy_stm32::interrupt]
+unsafe fn CAN1_TX() {
+    // SAFETY: this is the interrupt that `INNER` was started with.
+    unsafe { INNER.on_interrupt() }
+}
+
+#[embassy_stm32::interrupt]
+unsafe fn CAN1_RX0() {
+    // SAFETY: this is the interrupt that `OUTER` was started with.
+    unsafe { OUTER.on_interrupt() }
+}
+
+/// 168 MHz from a crystal of 8 MHz; APB1 at 42 MHz, APB2 at 84 MHz, all timers at 84 or 168 MHz.
+pub fn config() -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(rcc::Hse {
+        freq: Hertz(8_000_000),
+        mode: rcc::HseMode::Oscillator,
+    });
+    config.rcc.pll_src = rcc::PllSource::HSE;
+    config.rcc.pll = Some(rcc::Pll {
+        prediv: rcc::PllPreDiv::DIV4,
+        mul: rcc::PllMul::MUL168,
+        divp: Some(rcc::PllPDiv::DIV2),
+        divq: Some(rcc::PllQDiv::DIV7),
+        divr: None,
+    });
+    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
+    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
+    config.rcc.sys = rcc::Sysclk::PLL1_P;
+    // No calendar: without this the HAL selects its clock in one place and clears it in another.
+    config.rcc.ls = rcc::LsConfig::off();
+    config
+}
+
+/// Starts the processor's cycle counter, by which loads are measured.
+pub fn count_cycles() {
+    // SAFETY: called once, before any other code uses these registers.
+    let mut processor = unsafe { cortex_m::Peripherals::steal() };
+    processor.DCB.enable_trace();
+    processor.DWT.enable_cycle_counter();
+}
+
+/// Sets the brown-out reset to level 3, 2.7 V, once and for all: below it flash and processor are
+/// out of their range while the supply collapses.
+pub fn set_brown_out_level_3() {
+    /// `BOR_LEV` of level 3 (RM0090, 3.9.10).
+    const LEVEL_3: u8 = 0;
+    if FLASH.optcr().read().bor_lev() == LEVEL_3 {
+        return;
+    }
+    FLASH.optkeyr().write_value(0x0819_2A3B);
+    FLASH.optkeyr().write_value(0x4C5D_6E7F);
+    while FLASH.sr().read().bsy() {}
+    FLASH.optcr().modify(|options| options.set_bor_lev(LEVEL_3));
+    FLASH.optcr().modify(|options| options.set_optstrt(true));
+    while FLASH.sr().read().bsy() {}
+    FLASH.optcr().modify(|options| options.set_optlock(true));
+}
+
+/// The deepest that the stack has been since start, in bytes.
+pub fn stack_used() -> u32 {
+    let untouched = STACK
+        .step_by(4)
+        // SAFETY: aligned words of memory that exists; others may write the ones above, and any
+        // value is fine.
+        .take_while(|address| unsafe { (*address as *const u32).read_volatile() } == PAINT)
+        .count();
+    STACK.len() as u32 - 4 * untouched as u32
+}
+
+/// Starts the three executors: `spawn` gets those of the inner loop, of the outer loop and of the
+/// thread, which runs for ever and sleeps while there is nothing to do.
+pub fn on_every_priority(spawn: impl FnOnce(SendSpawner, SendSpawner, Spawner)) -> ! {
+    static THREAD: StaticCell<raw::Executor> = StaticCell::new();
+    // The context is what embassy-executor's pender takes for "wake the thread".
+    let thread = THREAD.init(raw::Executor::new(usize::MAX as *mut ()));
+    interrupt::USART1.set_priority(Priority::P12);
+    interrupt::CAN1_TX.set_priority(Priority::P4);
+    interrupt::CAN1_RX0.set_priority(Priority::P8);
+    spawn(
+        INNER.start(interrupt::CAN1_TX),
+        OUTER.start(interrupt::CAN1_RX0),
+        thread.spawner(),
+    );
+    loop {
+        // SAFETY: polled from here only.
+        unsafe { thread.poll() };
+        sleep();
+    }
+}
+
+/// Sleeps until something happens. Interrupts stay off until the time asleep is known, so that
+/// what they do does not count as sleep; a pending one wakes all the same (`SEVONPEND`).
+fn sleep() {
+    cortex_m::interrupt::free(|_| {
+        // SAFETY: only this code writes the register.
+        unsafe { (*SCB::PTR).scr.modify(|scr| scr | 1 << 4) };
+        let begin = Instant::now();
+        cortex_m::asm::wfe();
+        shared::add(&COUNTERS.asleep, begin.elapsed().as_micros() as u32);
+    });
+}

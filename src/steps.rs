@@ -1,0 +1,18 @@
+//! The two steps of the core, each a function of its own: what `cargo xtask count` counts, and
+//! where the emulated board holds the firmware up.
+
+use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::{Inner, InnerInput, Mailboxes, Outer, OuterResult, Snapshot, TickOutput};
+
+/// The inner step.
+#[inline(never)]
+pub fn inner_step(inner: &mut Inner, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
+    inner.tick(input, mailboxes)
+}
+
+/// The outer step. No mission is stored on board yet.
+#[inline(never)]
+pub fn outer_step(outer: &mut Outer, snapshot: &Snapshot) -> OuterResult {
+    const NONE: &[MissionItem] = &[];
+    outer.step(snapshot, NONE)
+}

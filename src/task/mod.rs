@@ -1,0 +1,13 @@
+//! Thin shells around the core: each waits for something, hands it on, and waits again.
+
+mod commands;
+mod health;
+mod inner_loop;
+mod log_stream;
+mod outer_loop;
+
+pub use commands::commands;
+pub use health::health;
+pub use inner_loop::{InnerLoop, inner_loop};
+pub use log_stream::{Start, log_stream};
+pub use outer_loop::outer_loop;

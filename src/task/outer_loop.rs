@@ -1,0 +1,51 @@
+//! The outer loop: whatever lies in the snapshot's mailbox, to a result in the other one. The
+//! watchdog is fed here: while the outer step completes and inner ticks go on, and only then.
+
+use cortex_m::peripheral::DWT;
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
+use windhover_autopilot::Outer;
+use windhover_flight_log::{LoggerConfig, Reporter, result_hash};
+
+use crate::shared::{self, COUNTERS, SNAPSHOT};
+use crate::steps::outer_step;
+
+/// Runs the outer loop for ever.
+#[embassy_executor::task]
+pub async fn outer_loop(
+    outer: &'static mut Outer,
+    config: LoggerConfig,
+    mut watchdog: IndependentWatchdog<'static, IWDG>,
+) {
+    let mut reporter = Reporter::new(config);
+    let mut fed_at = 0;
+    loop {
+        SNAPSHOT.wait().await;
+        let Some(snapshot) = shared::with(|shared| shared.mailboxes.snapshot.take()) else {
+            continue;
+        };
+        let (begin, inner) = (DWT::cycle_count(), shared::value(&COUNTERS.inner_cycles));
+        let result = outer_step(outer, &snapshot);
+        let hash = result_hash(&result);
+        reporter.report(
+            &snapshot,
+            &result,
+            || shared::with(|shared| shared.log.latest()),
+            &mut |message| {
+                shared::with(|shared| shared.log.message(message));
+            },
+        );
+        shared::with(|shared| {
+            shared.log.announce(hash);
+            shared.mailboxes.result = Some(result);
+        });
+        let ticks = shared::value(&COUNTERS.ticks);
+        if ticks != fed_at {
+            fed_at = ticks;
+            watchdog.pet();
+        }
+        let busy = DWT::cycle_count().wrapping_sub(begin);
+        let others = shared::value(&COUNTERS.inner_cycles).wrapping_sub(inner);
+        shared::add(&COUNTERS.outer_cycles, busy.saturating_sub(others));
+    }
+}
