@@ -32,7 +32,7 @@ fn main() -> ! {
     use defmt_rtt as _;
     use embassy_stm32::wdg::IndependentWatchdog;
     use embassy_time::Instant;
-    use static_cell::StaticCell;
+    use static_cell::{ConstStaticCell, StaticCell};
     use windhover_autopilot::{Inner, InnerConfig, Outer};
     use windhover_flight_log::{Logger, LoggerConfig};
 
@@ -40,6 +40,8 @@ fn main() -> ! {
     const WATCHDOG: u32 = 250_000;
     static OUTER: StaticCell<Outer> = StaticCell::new();
     static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
+    // Apart from the log: what is made in `main` goes over its stack.
+    static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
     static START: StaticCell<task::Start> = StaticCell::new();
 
     let fault::LastRun { cause, store } = fault::take_last_run();
@@ -57,7 +59,7 @@ fn main() -> ! {
     };
     let logging = LoggerConfig::new(config, &parameters);
     let inner = Inner::new(config, outer.inner_parameters());
-    shared::begin(LOG.init_with(|| Logger::new(logging)));
+    shared::begin(LOG.init(Logger::in_storage(logging, LOG_STORAGE.take())));
     let start = START.init(task::Start {
         time: Instant::now().as_micros(),
         inner: config,

@@ -15,7 +15,7 @@ use windhover_flight_log::Logger;
 pub const LOG_BYTES: usize = 32_768;
 
 /// The log as the firmware keeps it.
-pub type FlightLog = Logger<LOG_BYTES>;
+pub type FlightLog = Logger<LOG_BYTES, &'static mut [u8; LOG_BYTES]>;
 
 /// What the lock guards.
 pub struct Shared {

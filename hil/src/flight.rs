@@ -6,18 +6,21 @@
 
 use std::sync::Arc;
 
-use windhover_autopilot::{Command, Urgent};
+use windhover_autopilot::{Command, ParameterWrite, Parameters, Urgent};
 use windhover_bench_port::{FRAME, Request};
 use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::Input;
-use windhover_math::{GRAVITY, Quaternion, Vector3};
+use windhover_flight_log::wire::MAGIC;
+use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
 use windhover_model::{Conditions, Truth, Vehicle};
 
 use crate::board::Board;
-use crate::elf::Elf;
+use crate::elf::{Elf, ElfError};
+use crate::log::{Line, Log, LogError};
 use crate::machine::{Machine, MachineError, Options, Stop};
 use crate::rig::{self, Rig};
 use crate::time::SECOND;
+use crate::trouble::{self, Slow, Trouble};
 
 /// The machine with a vehicle on its pins.
 pub type Vehicle405 = Machine<Board<Rig>>;
@@ -25,14 +28,15 @@ pub type Vehicle405 = Machine<Board<Rig>>;
 /// A new setpoint so often, in ticks of virtual time: 50 Hz.
 const SETPOINT_PERIOD: u64 = SECOND / 50;
 
-/// The firmware has booted and has samples by then.
-const READY: u64 = SECOND;
+/// The firmware has booted and has samples so long after power-on or a restart, also where it
+/// programs its option bytes or erases a sector first.
+const READY: u64 = 2 * SECOND;
 
 /// Each attitude is held so long, in s.
-const HOLD: f64 = 4.0;
+const HOLD: f64 = 5.0;
 
 /// After a new attitude, the vehicle has so long to turn, in s.
-const SETTLE: f64 = 1.5;
+const SETTLE: f64 = 2.5;
 
 /// The height that the pilot holds, in m.
 const HEIGHT: f64 = 20.0;
@@ -43,9 +47,9 @@ const ATTITUDES: [[f32; 3]; 7] = [
     [15.0, 0.0, 0.0],
     [-15.0, 0.0, 30.0],
     [0.0, 15.0, 60.0],
-    [0.0, -15.0, -45.0],
+    [0.0, -15.0, -20.0],
     [12.0, 12.0, 0.0],
-    [-20.0, 5.0, 90.0],
+    [-20.0, 5.0, 45.0],
 ];
 
 /// What a flight is made of.
@@ -57,41 +61,213 @@ pub struct Plan {
     pub conditions: Conditions,
     /// What hangs on the pins, and what goes wrong with it.
     pub rig: rig::Setup,
+    /// Parameters that are stored before the flight: index in the table and value.
+    pub parameters: Vec<ParameterWrite>,
     /// How long the attitudes are held, in s.
     pub seconds: f64,
+    /// What goes wrong inside the processor.
+    pub troubles: Vec<Trouble>,
+    /// An outer step that is slowed.
+    pub slow: Option<Slow>,
+}
+
+impl Plan {
+    /// The reference vehicle without wind, at its defaults.
+    pub fn calm(vehicle: Vehicle, seconds: f64) -> Self {
+        Self {
+            vehicle,
+            conditions: Conditions::default(),
+            rig: rig::Setup::default(),
+            parameters: Vec::new(),
+            seconds,
+            troubles: Vec::new(),
+            slow: None,
+        }
+    }
+
+    /// Adds a parameter by its name; `None` if there is none of that name, or the value is refused.
+    pub fn with_parameter(mut self, name: &str, value: f32) -> Option<Self> {
+        let index = Parameters::find(name)?;
+        Parameters::declaration(index)?.check(value).ok()?;
+        self.parameters.push(ParameterWrite {
+            index: index as u16,
+            value,
+        });
+        Some(self)
+    }
 }
 
 /// How a flight came out.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Largest angle between the attitude that was commanded and the true one, in rad, apart from
-    /// the first [`SETTLE`] seconds of each hold.
+    /// the first seconds of each hold.
     pub attitude_error: f64,
     /// Greatest height, in m.
     pub height: f64,
-    /// Whether the motors turned in flight.
-    pub flew: bool,
     /// Whether the motors stood still in the end.
     pub stopped: bool,
 }
 
-/// A machine at power-on, with a vehicle.
-pub fn machine(elf: Arc<Elf>, plan: &Plan) -> Result<Vehicle405, MachineError> {
-    let world = rig::world(&plan.vehicle.plant, &plan.conditions);
-    let board = Board::new(Rig::new(world, &plan.rig));
-    Machine::new(board, elf, Options::default())
+/// Why a flight could not be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum FlightError {
+    /// The machine could not be made.
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    /// The firmware did what it must not.
+    #[error(transparent)]
+    Stop(#[from] Stop),
+    /// The firmware has not what is to be held up.
+    #[error(transparent)]
+    Elf(#[from] ElfError),
+    /// The firmware's messages cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+}
+
+/// A board with the firmware and a vehicle, and what the firmware says.
+pub struct Flight {
+    /// The board.
+    pub machine: Vehicle405,
+    /// What the firmware said by defmt.
+    pub lines: Vec<Line>,
+    decoder: Option<Log>,
+    plan: Plan,
+    troubles_done: usize,
+    /// When the holds began.
+    begin: u64,
+}
+
+impl Flight {
+    /// At power-on.
+    ///
+    /// # Errors
+    /// When the program cannot be run.
+    pub fn new(elf: Arc<Elf>, plan: &Plan) -> Result<Self, FlightError> {
+        let world = rig::world(&plan.vehicle.plant, &plan.conditions);
+        let board = Board::new(Rig::new(world, &plan.rig));
+        let mut plan = plan.clone();
+        plan.troubles.sort_by_key(|trouble| trouble.start);
+        Ok(Self {
+            decoder: Log::new(&elf)?,
+            machine: Machine::new(board, elf, Options::default())?,
+            lines: Vec::new(),
+            plan,
+            troubles_done: 0,
+            begin: 0,
+        })
+    }
+
+    /// Stores the plan's parameters, each by a restart of the firmware, and waits until it is
+    /// ready.
+    ///
+    /// # Errors
+    /// What stopped the machine.
+    pub fn prepare(&mut self) -> Result<(), FlightError> {
+        self.run(READY)?;
+        for write in self.plan.parameters.clone() {
+            self.send(Request::SaveParameter(write));
+            self.run(self.machine.now() + READY)?;
+        }
+        if let Some(slow) = self.plan.slow {
+            trouble::slow(&mut self.machine, &slow)?;
+        }
+        self.begin = self.machine.now();
+        Ok(())
+    }
+
+    /// Flies from power-on to disarmed. `progress` is told the share that is done.
+    ///
+    /// # Errors
+    /// What stopped the machine.
+    pub fn fly(&mut self, mut progress: impl FnMut(f64)) -> Result<Outcome, FlightError> {
+        self.prepare()?;
+        let mut outcome = Outcome::default();
+        let steps = (self.plan.seconds * 50.0) as u64;
+        for step in 0..steps {
+            let error = self.steer(step as f64 / 50.0);
+            outcome.attitude_error = outcome.attitude_error.max(error.unwrap_or(0.0));
+            match step {
+                5 => self.send(Request::Input(Input::Command(Command::Arm))),
+                10 => self.send(Request::Input(Input::Command(Command::StartAttitude))),
+                _ => {}
+            }
+            self.run(self.begin + (step + 1) * SETPOINT_PERIOD)?;
+            outcome.height = outcome.height.max(-self.truth().position.z);
+            progress(step as f64 / steps as f64);
+        }
+        self.send(Request::Urgent(Urgent::Disarm));
+        self.run(self.machine.now() + SECOND / 2)?;
+        let commands = self.machine.bus().wiring.motor_commands();
+        outcome.stopped = commands.iter().all(|command| command.unwrap_or(0) == 0);
+        Ok(outcome)
+    }
+
+    /// Runs until this moment; what is to go wrong goes wrong at its time.
+    ///
+    /// # Errors
+    /// What stopped the machine.
+    pub fn run(&mut self, until: u64) -> Result<(), FlightError> {
+        while let Some(trouble) = self.plan.troubles.get(self.troubles_done).copied()
+            && trouble.start < until
+        {
+            self.troubles_done += 1;
+            self.machine.run(trouble.start)?;
+            trouble::befall(&mut self.machine, trouble.kind)?;
+        }
+        self.machine.run(until)?;
+        let chunks = self.machine.take_log();
+        if let Some(decoder) = &mut self.decoder {
+            for (time, bytes) in &chunks {
+                self.lines.extend(decoder.decode(*time, bytes));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends a request over the command port.
+    pub fn send(&mut self, request: Request) {
+        let mut frame = [0; FRAME];
+        let length = request.encode(&mut frame).expect("a frame holds every request");
+        let now = self.machine.now();
+        self.machine.bus().wiring.send(now, &frame[..length]);
+    }
+
+    /// The state of the world.
+    pub fn truth(&self) -> Truth {
+        self.machine.bus().wiring.world().truth()
+    }
+
+    /// The flight log of the last run of the firmware: what came since the last restart.
+    pub fn flight_log(&self) -> Vec<u8> {
+        let bus = self.machine.bus();
+        let bytes = bus.wiring.log();
+        let starts = bytes.windows(MAGIC.len()).rposition(|window| window == MAGIC);
+        bytes[starts.unwrap_or(0)..].to_vec()
+    }
+
+    /// Sends the setpoint for this moment, in s since the holds began; how far the attitude is
+    /// off, once it has settled.
+    fn steer(&mut self, time: f64) -> Option<f64> {
+        let truth = self.truth();
+        let (attitude, held) = commanded(time);
+        self.send(Request::Input(Input::Attitude(AttitudeSetpoint {
+            attitude,
+            rate: Vector3::zeros(),
+            thrust: thrust(self.plan.vehicle.plant.mass, &truth),
+        })));
+        let settled = held > SETTLE && -truth.position.z > 0.5;
+        settled.then(|| angle_between(attitude, truth.attitude))
+    }
 }
 
 /// The attitude that is commanded at a time since the start of the holds, in s, and how long it
 /// has been.
 fn commanded(time: f64) -> (Quaternion, f64) {
     let index = (time / HOLD) as usize;
-    let [roll, pitch, heading] = ATTITUDES[index % ATTITUDES.len()].map(f32::to_radians);
-    let attitude = Quaternion::from_euler(windhover_math::Euler {
-        roll,
-        pitch,
-        yaw: heading,
-    });
+    let [roll, pitch, yaw] = ATTITUDES[index % ATTITUDES.len()].map(f32::to_radians);
+    let attitude = Quaternion::from_euler(Euler { roll, pitch, yaw });
     (attitude, time - index as f64 * HOLD)
 }
 
@@ -103,67 +279,9 @@ fn thrust(mass: f64, truth: &Truth) -> f32 {
     (mass * up / truth.attitude.down_axis().z.max(0.5)).max(0.0) as f32
 }
 
-fn send(machine: &Vehicle405, request: Request) {
-    let mut frame = [0; FRAME];
-    let length = request.encode(&mut frame).expect("a frame holds every request");
-    let now = machine.now();
-    machine.bus().wiring.send(now, &frame[..length]);
-}
-
-/// Sends a setpoint for this moment; how far the attitude is off, once it has settled.
-fn steer(machine: &Vehicle405, mass: f64, time: f64) -> Option<f64> {
-    let truth = machine.bus().wiring.world().truth();
-    let (attitude, held) = commanded(time);
-    let setpoint = AttitudeSetpoint {
-        attitude,
-        rate: Vector3::zeros(),
-        thrust: thrust(mass, &truth),
-    };
-    send(machine, Request::Input(Input::Attitude(setpoint)));
-    let wanted = Quaternion::new(
-        f64::from(attitude.w),
-        f64::from(attitude.x),
-        f64::from(attitude.y),
-        f64::from(attitude.z),
-    );
-    let off = (wanted.conjugate() * truth.attitude).shortest();
-    let angle = 2.0 * off.w.clamp(-1.0, 1.0).acos();
-    (held > SETTLE && -truth.position.z > 0.5).then_some(angle)
-}
-
-/// Flies a plan from power-on to disarmed.
-///
-/// # Errors
-/// What stopped the machine.
-pub fn fly(machine: &mut Vehicle405, plan: &Plan, mut progress: impl FnMut(f64)) -> Result<Outcome, Stop> {
-    let mass = plan.vehicle.plant.mass;
-    let mut outcome = Outcome::default();
-    machine.run(READY)?;
-    let steps = (plan.seconds * 50.0) as u64;
-    for step in 0..steps {
-        let time = step as f64 / 50.0;
-        if let Some(error) = steer(machine, mass, time) {
-            outcome.attitude_error = outcome.attitude_error.max(error);
-        }
-        match step {
-            5 => send(machine, Request::Input(Input::Command(Command::Arm))),
-            10 => send(machine, Request::Input(Input::Command(Command::StartAttitude))),
-            _ => {}
-        }
-        machine.run(READY + (step + 1) * SETPOINT_PERIOD)?;
-        let bus = machine.bus();
-        let truth = bus.wiring.world().truth();
-        outcome.height = outcome.height.max(-truth.position.z);
-        outcome.flew |= -truth.position.z > 1.0;
-        progress(time);
-    }
-    send(machine, Request::Urgent(Urgent::Disarm));
-    machine.run(machine.now() + SECOND / 2)?;
-    outcome.stopped = machine
-        .bus()
-        .wiring
-        .motor_commands()
-        .iter()
-        .all(|command| command.unwrap_or(0) == 0);
-    Ok(outcome)
+/// Angle between two attitudes, in rad.
+fn angle_between(wanted: Quaternion, is: Quaternion<f64>) -> f64 {
+    let [w, x, y, z] = [wanted.w, wanted.x, wanted.y, wanted.z].map(f64::from);
+    let off = (Quaternion::new(w, x, y, z).conjugate() * is).shortest();
+    2.0 * off.w.clamp(-1.0, 1.0).acos()
 }

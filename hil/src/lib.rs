@@ -5,16 +5,20 @@
 //! - [`machine`]: the processor, which runs the program.
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
+//! - [`figures`]: what is measured of it.
 //! - [`elf`]: the program, and the names in it.
 //! - [`rtt`], [`log`]: what the program says by defmt.
+//! - [`trouble`]: what goes wrong inside the processor, on purpose.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
 pub mod elf;
+pub mod figures;
 pub mod flight;
 pub mod log;
 pub mod machine;
 pub mod rig;
 pub mod rtt;
 pub mod time;
+pub mod trouble;
 pub mod violation;

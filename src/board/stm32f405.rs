@@ -139,7 +139,9 @@ pub fn on_every_priority(spawn: impl FnOnce(SendSpawner, SendSpawner, Spawner)) 
 }
 
 /// Sleeps until something happens. Interrupts stay off until the time asleep is known, so that
-/// what they do does not count as sleep; a pending one wakes all the same (`SEVONPEND`).
+/// what they do does not count as sleep; a pending one wakes all the same (`SEVONPEND`). A function
+/// of its own: here the emulated board lets the thread spin.
+#[inline(never)]
 fn sleep() {
     cortex_m::interrupt::free(|_| {
         // SAFETY: only this code writes the register.

@@ -16,6 +16,9 @@ use crate::steps::inner_step;
 /// Without a sample for so long, the part is set up anew.
 const GIVE_UP: Duration = Duration::from_millis(50);
 
+/// Between two attempts to set the part up.
+const RETRY: Duration = Duration::from_millis(500);
+
 /// Between two looks at one of the part's registers.
 const VERIFY: Duration = Duration::from_millis(100);
 
@@ -157,20 +160,25 @@ pub async fn inner_loop(mut state: InnerLoop, mut imu: board::Imu, config: Inner
         4000 => OutputDataRate::Hz4000,
         _ => OutputDataRate::Hz1000,
     };
+    let mut named = None;
     loop {
         let configured = state
             .meanwhile(imu.configure(rate, &mut embassy_time::Delay))
             .await;
         match configured {
             Ok(()) => {
+                named = None;
                 defmt::info!("inertial sensors: ready");
                 DATA_READY.reset();
                 state.sample(&mut imu).await;
             }
             Err(error) => {
                 shared::add(&COUNTERS.imu_errors, 1);
-                name(&error);
-                state.meanwhile(Timer::after(GIVE_UP)).await;
+                if named != Some(error) {
+                    name(&error);
+                }
+                named = Some(error);
+                state.meanwhile(Timer::after(RETRY)).await;
             }
         }
     }

@@ -2,21 +2,31 @@
 
 use crate::wire::copy;
 
-/// A ring of `N` bytes.
+/// Bytes for a ring: an array, or a borrowed one where the ring itself must stay small.
+pub trait Storage: AsRef<[u8]> + AsMut<[u8]> {}
+
+impl<S: AsRef<[u8]> + AsMut<[u8]>> Storage for S {}
+
+/// A ring of as many bytes as its storage has.
 #[derive(Clone, Debug)]
-pub(crate) struct Ring<const N: usize> {
-    bytes: [u8; N],
+pub(crate) struct Ring<S> {
+    bytes: S,
     start: usize,
     length: usize,
 }
 
-impl<const N: usize> Ring<N> {
-    pub const fn new() -> Self {
+impl<S: Storage> Ring<S> {
+    pub fn new(bytes: S) -> Self {
         Self {
-            bytes: [0; N],
+            bytes,
             start: 0,
             length: 0,
         }
+    }
+
+    #[inline]
+    pub fn capacity(&self) -> usize {
+        self.bytes.as_ref().len()
     }
 
     #[inline]
@@ -26,7 +36,7 @@ impl<const N: usize> Ring<N> {
 
     #[inline]
     pub fn free(&self) -> usize {
-        N.saturating_sub(self.length)
+        self.capacity().saturating_sub(self.length)
     }
 
     /// Takes a message, whole or not at all.
@@ -35,11 +45,12 @@ impl<const N: usize> Ring<N> {
         if message.len() > self.free() {
             return false;
         }
-        let end = wrap::<N>(self.start + self.length);
-        let straight = message.len().min(N.saturating_sub(end));
+        let end = self.wrap(self.start + self.length);
+        let straight = message.len().min(self.capacity().saturating_sub(end));
         let (first, second) = message.split_at_checked(straight).unwrap_or((message, &[]));
-        copy(self.bytes.get_mut(end..).unwrap_or_default(), first);
-        copy(&mut self.bytes, second);
+        let bytes = self.bytes.as_mut();
+        copy(bytes.get_mut(end..).unwrap_or_default(), first);
+        copy(bytes, second);
         self.length += message.len();
         true
     }
@@ -47,23 +58,26 @@ impl<const N: usize> Ring<N> {
     /// Moves the oldest bytes out; how many.
     pub fn drain(&mut self, to: &mut [u8]) -> usize {
         let count = self.length.min(to.len());
-        let head = self.bytes.get(self.start..).unwrap_or_default();
+        let bytes = self.bytes.as_ref();
+        let head = bytes.get(self.start..).unwrap_or_default();
         let straight = count.min(head.len());
         let (first, second) = to.split_at_mut_checked(straight).unwrap_or_default();
         copy(first, head);
-        copy(
-            second.get_mut(..count - straight).unwrap_or_default(),
-            &self.bytes,
-        );
-        self.start = wrap::<N>(self.start + count);
+        copy(second.get_mut(..count - straight).unwrap_or_default(), bytes);
+        self.start = self.wrap(self.start + count);
         self.length -= count;
         count
     }
-}
 
-#[inline]
-fn wrap<const N: usize>(index: usize) -> usize {
-    if index >= N { index - N } else { index }
+    #[inline]
+    fn wrap(&self, index: usize) -> usize {
+        let capacity = self.capacity();
+        if index >= capacity {
+            index - capacity
+        } else {
+            index
+        }
+    }
 }
 
 #[cfg(test)]
@@ -77,7 +91,7 @@ mod tests {
         /// Against a queue that grows: the same bytes, and refused only what does not fit.
         #[test]
         fn gives_back_what_it_took(steps in prop::collection::vec((0usize..20, 0usize..20), 1..200)) {
-            let mut ring = Ring::<37>::new();
+            let mut ring = Ring::new([0; 37]);
             let mut model = VecDeque::new();
             let mut next = 0u8;
             for (push, drain) in steps {

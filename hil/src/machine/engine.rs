@@ -156,7 +156,10 @@ pub(super) fn scramble(core: &mut Core) {
 /// store into it as one that may change code.
 pub(super) fn set_rights(core: &mut Core, clock: Rc<Clock>) -> Result<(), uc_error> {
     core.ctl_set_tlb_type(TlbType::VIRTUAL)?;
-    core.add_tlb_hook(1, 0, move |_, address, access| {
+    core.add_tlb_hook(1, 0, move |core, address, access| {
+        if access != MemType::FETCH {
+            forget_conditions(core);
+        }
         let address = address as u32;
         let executable = is_executable(address);
         if access == MemType::FETCH && !executable {
@@ -172,6 +175,17 @@ pub(super) fn set_rights(core: &mut Core, clock: Rc<Clock>) -> Result<(), uc_err
         })
     })?;
     Ok(())
+}
+
+/// Before it asks about a data access, the engine writes down where it is in a block of conditional
+/// instructions (IT), and takes that for the state at the next branch. While a block of
+/// instructions runs, that state belongs to the engine's code and is to be none.
+fn forget_conditions(core: &mut Unicorn<'_, ()>) {
+    const CONDITIONS: u32 = 0x0600_FC00;
+    const THUMB: u32 = 1 << 24;
+    if core.get(RegisterARM::XPSR) & CONDITIONS != 0 {
+        core.set(RegisterARM::EPSR, THUMB);
+    }
 }
 
 /// Accesses to nowhere are noted; stores into flash go to `program`, which says whether they may.
@@ -190,6 +204,7 @@ pub(super) fn watch_accesses(
         let address = address as u32;
         match access {
             MemType::WRITE_PROT if within(address, size as u32, FLASH, FLASH_SIZE) => {
+                forget_conditions(core);
                 if program(core, address, size as u32, value as u32) {
                     return true;
                 }

@@ -144,3 +144,8 @@ fn atomics_lose_nothing_to_handlers() {
         assert!(expected > 20_100, "handlers ran: {expected}");
     }
 }
+
+#[test]
+fn flash_holds_what_the_flash_controller_makes_of_a_store() {
+    assert_eq!(reports(Scenario::FlashProgram, 1), [0xFFFF_FFFF, 0xF0F0_1200]);
+}

@@ -80,6 +80,26 @@ fn the_cycle_counter_stands_in_sleep() {
 }
 
 #[test]
+fn nothing_runs_while_flash_is_busy() {
+    let [microseconds, handled] = reports(Scenario::FlashBusy, 1)[..] else {
+        panic!()
+    };
+    assert!((1_000..1_010).contains(&microseconds), "{microseconds}");
+    assert_eq!(handled, 1, "the interrupt of meanwhile comes first");
+}
+
+#[test]
+fn all_time_is_accounted_for() {
+    let mut machine = machine(Scenario::Wfi, 1);
+    finish(&mut machine).unwrap();
+    let now = machine.now();
+    let load = machine.load();
+    assert_eq!(load.total(), now);
+    let handlers: u64 = (16..24).map(|number| load.exception(number)).sum();
+    assert_eq!(load.exception(0) + handlers + load.asleep, now);
+}
+
+#[test]
 fn sleep_without_end_is_an_error_when_nothing_limits_the_run() {
     let mut machine = machine(Scenario::SleepForEver, 1);
     let stop = machine.run(windhover_hil::time::NEVER).unwrap_err();

@@ -23,6 +23,8 @@ pub struct Tester {
     later: Option<(u64, u32)>,
     watchdog: u64,
     reset_wanted: Option<ResetCause>,
+    flash_busy_until: u64,
+    flash_unlocked: bool,
     pub reports: Vec<u32>,
     pub finished: bool,
     pub resets: Vec<ResetCause>,
@@ -39,6 +41,8 @@ impl Tester {
             later: None,
             watchdog: NEVER,
             reset_wanted: None,
+            flash_busy_until: 0,
+            flash_unlocked: false,
             reports: Vec::new(),
             finished: false,
             resets: Vec::new(),
@@ -101,6 +105,8 @@ impl Bus for Tester {
             0x4000_0014 => self.lines |= 1 << value,
             0x4000_0018 => self.finished = true,
             0x4000_001C => self.later = Some((now + 10 * MICROSECOND, value)),
+            0x4000_0020 => self.flash_busy_until = now + u64::from(value),
+            0x4000_0024 => self.flash_unlocked = true,
             _ => return Err(unknown(address, "write")),
         }
         Ok(())
@@ -138,7 +144,19 @@ impl Bus for Tester {
         self.reset_wanted.take()
     }
 
-    fn store_to_flash(&mut self, _: u64, address: u32, _: u32, _: u32) -> Result<u32, Violation> {
+    fn store_to_flash(
+        &mut self,
+        _: u64,
+        address: u32,
+        _: u32,
+        value: u32,
+        memory: &mut dyn Memory,
+    ) -> Result<u32, Violation> {
+        if self.flash_unlocked {
+            let mut old = [0; 4];
+            memory.read(address, &mut old);
+            return Ok(value & u32::from_le_bytes(old) & 0xFFFF_FF00);
+        }
         Err(Violation::Misuse {
             peripheral: "flash",
             what: format!("store to {address:#010x} while locked"),
@@ -146,7 +164,7 @@ impl Bus for Tester {
     }
 
     fn stalled_until(&self) -> u64 {
-        0
+        self.flash_busy_until
     }
 }
 
@@ -188,7 +206,12 @@ fn build() -> Arc<Elf> {
 
 /// A machine about to run a scenario.
 pub fn machine(scenario: Scenario, seed: u64) -> Machine<Tester> {
-    Machine::new(Tester::new(scenario, seed), program(), Options::default()).expect("the program fits")
+    machine_with(scenario, seed, Options::default())
+}
+
+/// A machine set up in another way.
+pub fn machine_with(scenario: Scenario, seed: u64, options: Options) -> Machine<Tester> {
+    Machine::new(Tester::new(scenario, seed), program(), options).expect("the program fits")
 }
 
 /// Runs until the program says that it is finished.

@@ -60,6 +60,8 @@ fn run(scenario: Scenario) {
         S::SysTick => sleep::systick(),
         S::CycleCounter => sleep::cycle_counter(),
         S::Compute => tester::report(kernel::run(0, &kernel::input(), 1_000_000)[0]),
+        S::FlashBusy => sleep::flash_busy(),
+        S::FlashProgram => threads::flash_program(),
         S::Log => defmt::info!("{=u32} of {=str}", 3, "four"),
         S::LogReset => threads::log_and_reset(),
         S::SleepForEver => loop {

@@ -112,6 +112,10 @@ scenarios! {
     Calls,
     /// The kernel in peace, for long: a word of its result.
     Compute,
+    /// Flash is busy for a millisecond and an interrupt comes meanwhile: handled, microseconds.
+    FlashBusy,
+    /// A store into unlocked flash: what is read back.
+    FlashProgram,
     /// Says a few words by defmt.
     Log,
     /// The same, and resets at once; nothing at the second boot.

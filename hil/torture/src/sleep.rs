@@ -118,3 +118,12 @@ pub fn cycle_counter() {
     tester::report(awake);
     tester::report(asleep);
 }
+
+pub fn flash_busy() {
+    start_stopwatch(&mut peripherals().SYST);
+    tester::raise_later(0);
+    tester::make_flash_busy(336_000);
+    cortex_m::asm::isb();
+    tester::report(lap() / 168);
+    tester::report(total());
+}

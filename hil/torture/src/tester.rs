@@ -12,6 +12,8 @@ const REPORT: usize = BASE + 0x10;
 const RAISE: usize = BASE + 0x14;
 const FINISH: usize = BASE + 0x18;
 const RAISE_LATER: usize = BASE + 0x1C;
+const FLASH_BUSY: usize = BASE + 0x20;
+const FLASH_UNLOCK: usize = BASE + 0x24;
 
 fn read(register: usize) -> u32 {
     // SAFETY: the tester's registers are always there.
@@ -58,6 +60,16 @@ pub fn raise(line: usize) {
 /// Raises a line in ten microseconds.
 pub fn raise_later(line: usize) {
     write(RAISE_LATER, line as u32);
+}
+
+/// Flash is busy for so many ticks.
+pub fn make_flash_busy(ticks: u32) {
+    write(FLASH_BUSY, ticks);
+}
+
+/// Stores into flash are allowed from now on.
+pub fn unlock_flash() {
+    write(FLASH_UNLOCK, 1);
 }
 
 /// Ends the run.

@@ -302,6 +302,19 @@ pub fn log_and_reset() {
     SCB::sys_reset();
 }
 
+pub fn flash_program() {
+    let place = 0x080F_0000 as *mut u32;
+    tester::unlock_flash();
+    // SAFETY: nothing else is there.
+    unsafe {
+        tester::report(place.read_volatile());
+        place.write_volatile(0xF0F0_1234);
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+        tester::report(place.read_volatile());
+    }
+}
+
 pub fn no_vectors() {
     // SAFETY: the fault is what is wanted.
     unsafe { peripherals().SCB.vtor.write(0x3000_0000) };

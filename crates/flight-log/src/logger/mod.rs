@@ -25,6 +25,7 @@ use crate::record::{Record, Topic, data};
 use crate::views::Gap;
 use crate::wire::{self, kind, message};
 
+use crate::ring::Storage;
 use outlet::Outlet;
 
 pub use config::{LoggerConfig, nominal_step};
@@ -36,12 +37,12 @@ const LONGEST: usize = 256;
 /// Periods between two synchronisation messages and two looks at the slow views: one second.
 const SLOW: u32 = 250;
 
-/// The logger with its ring of `N` bytes.
+/// The logger with its ring of `N` bytes, in an array of its own or a borrowed one.
 #[derive(Clone, Debug)]
-pub struct Logger<const N: usize> {
+pub struct Logger<const N: usize, S = [u8; N]> {
     k: usize,
     nominal: u64,
-    out: Outlet<N>,
+    out: Outlet<S>,
     reporter: Reporter,
     imu: ImuBatch,
     motors: MotorBatch,
@@ -66,11 +67,18 @@ enum Class {
 impl<const N: usize> Logger<N> {
     /// Empty, before the first tick.
     pub fn new(config: LoggerConfig) -> Self {
+        Self::in_storage(config, [0; N])
+    }
+}
+
+impl<const N: usize, S: Storage> Logger<N, S> {
+    /// Empty, before the first tick, with `N` bytes that lie elsewhere.
+    pub fn in_storage(config: LoggerConfig, storage: S) -> Self {
         Self {
             k: config.k(),
             nominal: config.nominal(),
             reporter: Reporter::new(config),
-            out: Outlet::new(),
+            out: Outlet::new(storage),
             imu: ImuBatch::new(ScheduleRecord {
                 tick: 0,
                 adopted: false,
@@ -113,7 +121,7 @@ impl<const N: usize> Logger<N> {
         self.periods = self.periods.wrapping_add(1);
         self.missed = self.missed.wrapping_add(u32::from(!record.snapshot_taken));
         if let Some(from) = self.out.gap
-            && self.out.ring.free() > Outlet::<N>::RESERVE
+            && self.out.ring.free() > self.out.reserve()
         {
             let gap = Gap {
                 from,
@@ -314,13 +322,13 @@ impl<const N: usize> Logger<N> {
     }
 }
 
-struct Inputs<'a, const N: usize> {
-    logger: &'a mut Logger<N>,
+struct Inputs<'a, const N: usize, S> {
+    logger: &'a mut Logger<N, S>,
     tick: u32,
     time: u64,
 }
 
-impl<const N: usize> Sink for Inputs<'_, N> {
+impl<const N: usize, S: Storage> Sink for Inputs<'_, N, S> {
     fn take<T: Topic>(&mut self, item: &T) {
         self.logger.input(self.tick, self.time, item);
     }

@@ -1,15 +1,15 @@
 //! The way out of the logger: a ring, and the account of what found no room in it.
 
-use crate::ring::Ring;
+use crate::ring::{Ring, Storage};
 use crate::wire::{Encoder, kind, message};
 
 /// Bytes of a dropout message.
 const DROPOUT: usize = 5;
 
-/// A ring of `N` bytes, half of it reserved for inputs.
+/// A ring of which half is reserved for inputs.
 #[derive(Clone, Debug)]
-pub(super) struct Outlet<const N: usize> {
-    pub ring: Ring<N>,
+pub(super) struct Outlet<S> {
+    pub ring: Ring<S>,
     /// Time of the last tick, µs.
     pub time: u64,
     /// First tick of the gap that is open.
@@ -18,18 +18,21 @@ pub(super) struct Outlet<const N: usize> {
     pub dropped_outputs: u32,
 }
 
-impl<const N: usize> Outlet<N> {
-    /// What outputs leave free.
-    pub const RESERVE: usize = N / 2;
-
-    pub const fn new() -> Self {
+impl<S: Storage> Outlet<S> {
+    pub fn new(storage: S) -> Self {
         Self {
-            ring: Ring::new(),
+            ring: Ring::new(storage),
             time: 0,
             gap: None,
             dropout_since: None,
             dropped_outputs: 0,
         }
+    }
+
+    /// What outputs leave free.
+    #[inline]
+    pub fn reserve(&self) -> usize {
+        self.ring.capacity() / 2
     }
 
     /// A whole message for people, as [`Reporter`] makes them. `false` when it found no room.
@@ -42,7 +45,7 @@ impl<const N: usize> Outlet<N> {
     #[inline]
     pub fn make_room(&mut self, length: usize) -> bool {
         let due = if self.dropout_since.is_some() { DROPOUT } else { 0 };
-        if self.ring.free() < length + Self::RESERVE + due {
+        if self.ring.free() < length + self.reserve() + due {
             self.dropped_outputs = self.dropped_outputs.saturating_add(1);
             self.dropout_since.get_or_insert(self.time);
             return false;
