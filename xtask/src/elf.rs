@@ -38,6 +38,7 @@ pub struct Elf {
 const SHT_SYMTAB: u32 = 2;
 const SHF_ALLOC: u32 = 2;
 const PT_LOAD: u32 = 1;
+const STT_FUNC: u16 = 2;
 const SYMBOL_SIZE: usize = 16;
 
 impl Elf {
@@ -159,9 +160,11 @@ impl File<'_> {
     fn symbols(&self, table: &Header, strings: &Header) -> Option<Vec<Symbol>> {
         let symbol = |index: usize| {
             let at = table.offset.checked_add(index * SYMBOL_SIZE)?;
+            // a function's address has a bit that says Thumb
+            let is_function = self.half(at + 12)? & 0xf == STT_FUNC;
             Some(Symbol {
                 name: self.text(strings.offset.checked_add(self.word(at)? as usize)?)?,
-                address: self.word(at + 4)?,
+                address: self.word(at + 4)? & !u32::from(is_function),
                 size: self.word(at + 8)?,
             })
         };
@@ -186,7 +189,7 @@ mod tests {
             file.extend(half.to_le_bytes());
         }
         put(&mut file, &[PT_LOAD, 0, 0x2000_0000, 0x0801_0000, 8, 8, 5, 4]);
-        put(&mut file, &[23, 0x0801_0004, 4, 0]);
+        put(&mut file, &[23, 0x0801_0005, 4, STT_FUNC.into()]);
         file.extend(strings);
         put(&mut file, &[0; 10]);
         put(&mut file, &[1, 1, SHF_ALLOC, 0x0801_0000, 0, 8, 0, 0, 4, 0]);

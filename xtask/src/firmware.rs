@@ -1,21 +1,17 @@
-//! The firmware's ELF: built as users build it, held against the memory map, measured.
+//! The firmware's ELF: built as users build it, held against the memory map.
 
 use std::ops::Range;
 use std::path::PathBuf;
-use std::process::Command;
 
 use crate::elf::Elf;
-use crate::process::{Outcome, cargo, read, run, target_directory};
-use crate::toolchain::{BOARD, llvm_tool};
+use crate::process::{Outcome, cargo, run, target_directory};
+use crate::toolchain::BOARD;
 
 /// Flash of the STM32F405RG.
 const FLASH: Range<u64> = 0x0800_0000..0x0810_0000;
 
 /// Sectors 1 to 3: parameters are stored there, so that nothing else may lie in them.
 const STORAGE: Range<u64> = 0x0800_4000..0x0801_0000;
-
-/// RAM that DMA reaches, and RAM that it does not.
-const RAM: [Range<u64>; 2] = [0x2000_0000..0x2002_0000, 0x1000_0000..0x1001_0000];
 
 /// Builds the firmware and holds its layout against the memory map.
 pub fn check() -> Outcome {
@@ -33,46 +29,10 @@ pub fn check() -> Outcome {
     }
 }
 
-/// Prints flash and RAM by section.
-pub fn size() -> Outcome {
-    let elf = build()?;
-    let table = read(Command::new(llvm_tool("llvm-size")?).arg("-A").arg(elf))?;
-    let sections = parse_sizes(&table);
-    println!("\n{:16} {:>10} {:>8}", "section", "address", "bytes");
-    for (name, size, address) in sections.iter().filter(|section| section.2 > 0) {
-        println!("{name:16} {address:#010x} {size:8}");
-    }
-    let within = |ranges: &[Range<u64>]| -> u64 {
-        let inside = |section: &&(&str, u64, u64)| ranges.iter().any(|range| range.contains(&section.2));
-        sections.iter().filter(inside).map(|section| section.1).sum()
-    };
-    // initial values of .data lie in flash and are copied to RAM
-    let initial: u64 = sections
-        .iter()
-        .filter(|section| section.0 == ".data")
-        .map(|section| section.1)
-        .sum();
-    println!(
-        "\nflash {} of {} bytes",
-        within(&[FLASH]) + initial,
-        length(&FLASH) - length(&STORAGE)
-    );
-    println!(
-        "RAM   {} of {} bytes, stack apart",
-        within(&RAM),
-        RAM.iter().map(length).sum::<u64>()
-    );
-    Ok(())
-}
-
 /// Builds by the alias that users type, and says where the ELF is.
 pub fn build() -> Result<PathBuf, String> {
     run(&mut cargo(["firmware", "--locked"]))?;
     Ok(target_directory()?.join(BOARD).join("release/windhover-firmware"))
-}
-
-fn length(range: &Range<u64>) -> u64 {
-    range.end - range.start
 }
 
 /// What in the layout would not boot, or would be lost when parameters are stored.
@@ -101,19 +61,6 @@ fn problems(elf: &Elf) -> Vec<String> {
         }
     }
     problems
-}
-
-/// Name, size and address of each section in what `llvm-size -A` prints.
-fn parse_sizes(table: &str) -> Vec<(&str, u64, u64)> {
-    let section = |line| {
-        let mut words = str::split_whitespace(line);
-        Some((
-            words.next()?,
-            words.next()?.parse().ok()?,
-            words.next()?.parse().ok()?,
-        ))
-    };
-    table.lines().filter_map(section).collect()
 }
 
 #[cfg(test)]
@@ -185,15 +132,5 @@ mod tests {
             assert_eq!(found.len(), 1, "{word}: {found:?}");
             assert!(found[0].contains(word), "{word}: {found:?}");
         }
-    }
-
-    #[test]
-    fn sizes_are_read_and_everything_else_is_passed_over() {
-        let table =
-            "windhover-firmware  :\nsection  size  addr\n.text  7132  134283264\n.defmt 17 0\nTotal 7149\n";
-        assert_eq!(
-            parse_sizes(table),
-            [(".text", 7132, 0x0801_0000), (".defmt", 17, 0)]
-        );
     }
 }

@@ -12,6 +12,7 @@ mod no_panic;
 mod packages;
 mod process;
 mod python;
+mod size;
 mod steps;
 mod toolchain;
 
@@ -48,7 +49,7 @@ fn main() -> ExitCode {
         },
         Task::Bench(arguments) => bench(&arguments),
         Task::Count => count::check(),
-        Task::Size => firmware::size(),
+        Task::Size => size::check(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

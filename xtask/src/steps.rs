@@ -5,7 +5,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::process::{Outcome, run};
-use crate::{cargo_checks, count, firmware, fuzz, hash, nalgebra, no_panic, packages, python, toolchain};
+use crate::{
+    cargo_checks, count, firmware, fuzz, hash, nalgebra, no_panic, packages, python, size, toolchain,
+};
 
 /// With this variable set, tests fly their long flights too.
 const LONG: &str = "WINDHOVER_LONG";
@@ -23,11 +25,7 @@ enum Run {
 }
 
 const STEPS: &[Step] = &[
-    step(
-        "toolchain",
-        "the board's target and LLVM's tools are installed",
-        toolchain::install,
-    ),
+    step("toolchain", "the board's target is installed", toolchain::install),
     step(
         "packages",
         "compilers and libraries that the emulated board is built with",
@@ -82,6 +80,11 @@ const STEPS: &[Step] = &[
         "firmware",
         "the firmware links, and its sections lie where they must",
         firmware::check,
+    ),
+    step(
+        "size",
+        "the firmware takes no more flash and RAM than it may",
+        size::check,
     ),
     tests(
         "hil",

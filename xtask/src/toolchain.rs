@@ -1,4 +1,4 @@
-//! What the other steps need beside the pinned compiler: a target, and LLVM's tools.
+//! What the other steps need beside the pinned compiler: the board's target.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -14,17 +14,7 @@ pub fn install() -> Outcome {
     if !library.is_dir() {
         rustup(&["target", "add", BOARD])?;
     }
-    if !llvm_tool("llvm-size")?.is_file() {
-        rustup(&["component", "add", "llvm-tools"])?;
-    }
     Ok(())
-}
-
-/// Where rustup puts one of LLVM's tools.
-pub fn llvm_tool(name: &str) -> Result<PathBuf, String> {
-    let library = PathBuf::from(rustc(&["--print", "target-libdir"])?);
-    let folder = library.with_file_name("bin");
-    Ok(folder.join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
 }
 
 fn rustc(arguments: &[&str]) -> Result<String, String> {
@@ -40,9 +30,6 @@ fn rustup(arguments: &[&str]) -> Outcome {
     let mut command = Command::new("rustup");
     command.current_dir(crate::process::root()).args(arguments);
     run(&mut command).map_err(|error| {
-        format!(
-            "{error}\nThe compiler lacks the target {BOARD} or the component llvm-tools. With rustup:\n  \
-             rustup target add {BOARD}\n  rustup component add llvm-tools"
-        )
+        format!("{error}\nThe compiler lacks the target {BOARD}. With rustup:\n  rustup target add {BOARD}")
     })
 }
