@@ -22,7 +22,7 @@ const BOUNDS: [(&str, u64); 3] = [("flash", 250_000), ("SRAM", 64_000), ("CCM", 
 /// Crates that come with the compiler.
 const COMPILER: &str = "core, alloc, compiler_builtins";
 
-/// Constants to which the compiler gave a number instead of a name.
+/// Constants to which the compiler gave a number or nothing instead of a name.
 const CONSTANTS: &str = "nameless constants";
 
 /// Where bytes go that belong to no symbol with a path: C names, padding.
@@ -139,7 +139,7 @@ fn demangle(name: &str) -> String {
 /// The crate that a path names first: `a` for `a::b`, `<a::B as c::D>::e` and `<&mut a::B>::f`,
 /// and `c` for `<u8 as c::D>::e`.
 fn crate_of(path: &str) -> &str {
-    if path.starts_with(".L") {
+    if path.starts_with(".L") || path.starts_with("(.rodata") {
         return CONSTANTS;
     }
     if path.starts_with("__aeabi_") || path.starts_with("mem") {

@@ -80,15 +80,17 @@ impl Mixer {
             .all(|&f| f >= self.thrust_min && f <= self.thrust_max);
         if fits {
             return Mixed {
-                command: self.commands(wanted),
+                command: wanted.map(|thrust| self.command(thrust)),
                 applied: *demand,
                 saturated: false,
             };
         }
         let applied = self.saturate(demand, landed);
+        // Rounding can leave a thrust a hair outside its limits.
+        let inside = |thrust| max(self.thrust_min, min(self.thrust_max, thrust));
         let thrusts = self.rotor_thrusts(applied.thrust, applied.torque);
         Mixed {
-            command: self.commands(thrusts),
+            command: thrusts.map(|thrust| self.command(inside(thrust))),
             applied,
             saturated: true,
         }
@@ -104,13 +106,10 @@ impl Mixer {
         rotors
     }
 
+    /// The command that makes this thrust; the conversion saturates.
     #[inline]
-    fn commands(&self, thrusts: [f32; 4]) -> [u16; 4] {
-        // Rounding can leave a thrust a hair outside its limits; the conversion saturates.
-        thrusts.map(|thrust| {
-            let inside = max(self.thrust_min, min(self.thrust_max, thrust));
-            (sqrt(inside) * self.command_per_root + 0.5) as u16
-        })
+    fn command(&self, thrust: f32) -> u16 {
+        (sqrt(thrust) * self.command_per_root + 0.5) as u16
     }
 
     /// The nearest wrench that the rotors can make: roll and pitch before thrust before heading.
