@@ -21,7 +21,7 @@ const CORE: [&str; 9] = [
 /// What exists on the board only; its desktop `main` only says so.
 const BOARD_ONLY: [&str; 2] = ["windhover-firmware", "windhover-no-panic"];
 
-/// The board in the loop: it needs what [`packages`] installs.
+/// The board in the loop: it needs what [`crate::packages`] installs.
 const HIL: &str = "windhover-hil";
 
 /// Programs for the emulated board, apart from the workspace because they are linked otherwise.
