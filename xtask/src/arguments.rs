@@ -3,12 +3,14 @@
 pub const HELP: &str = "\
 cargo xtask TASK
 
-  test            every check there is, step by step; installs what it needs by rustup
+  test            every check there is, step by step; installs what it needs by rustup, and by apt
+                  as root
     --only STEP     only this step (repeatable)
     --fail-fast     stop at the first step that fails
+    --long          the tests' long flights too: sets WINDHOVER_LONG=1 for them
     --list          say what the steps are, and do nothing
   bench [ARGS]    the benchmarks of windhover-sim; ARGS go to them
-  size            flash and RAM of the firmware by section
+  size            flash and RAM of the firmware by section and by crate
   help            this text
 ";
 
@@ -17,7 +19,11 @@ cargo xtask TASK
 pub enum Task {
     Help,
     List,
-    Test { only: Vec<String>, fail_fast: bool },
+    Test {
+        only: Vec<String>,
+        fail_fast: bool,
+        long: bool,
+    },
     Bench(Vec<String>),
     Size,
 }
@@ -39,17 +45,22 @@ pub fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Task, String
 }
 
 fn parse_test(mut arguments: impl Iterator<Item = String>) -> Result<Task, String> {
-    let (mut only, mut fail_fast) = (Vec::new(), false);
+    let (mut only, mut fail_fast, mut long) = (Vec::new(), false, false);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--only" => only.push(arguments.next().ok_or("--only needs the name of a step")?),
             "--fail-fast" => fail_fast = true,
+            "--long" => long = true,
             "--list" => return Ok(Task::List),
             "--help" | "-h" => return Ok(Task::Help),
             other => return Err(format!("test has no option `{other}`")),
         }
     }
-    Ok(Task::Test { only, fail_fast })
+    Ok(Task::Test {
+        only,
+        fail_fast,
+        long,
+    })
 }
 
 #[cfg(test)]
@@ -62,13 +73,14 @@ mod tests {
 
     #[test]
     fn test_takes_its_options_in_any_order() {
-        let task = parse_line("test --only fmt --fail-fast --only doc").unwrap();
+        let task = parse_line("test --only fmt --fail-fast --only doc --long").unwrap();
         let only = vec!["fmt".to_string(), "doc".to_string()];
         assert_eq!(
             task,
             Task::Test {
                 only,
-                fail_fast: true
+                fail_fast: true,
+                long: true,
             }
         );
     }

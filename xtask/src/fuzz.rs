@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
+use crate::packages::{CXX, provide};
 use crate::process::{Outcome, cargo, root, run, target_directory};
-use crate::python::install_debian;
 
 /// What makes a stable compiler count edges and comparisons.
 const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
@@ -17,9 +17,7 @@ const SECONDS: u32 = 30;
 
 /// Builds and runs every target; a finding fails.
 pub fn targets() -> Outcome {
-    if Command::new("c++").arg("--version").output().is_err() {
-        install_debian(&["g++"])?;
-    }
+    provide(&[&CXX])?;
     let built = target_directory()?.join("fuzz");
     let mut build = cargo(["build", "--locked", "--release", "--target", HOST]);
     build

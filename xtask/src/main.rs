@@ -1,12 +1,14 @@
 //! What CI and developers run: `cargo xtask help`.
 
 mod arguments;
+mod cargo_checks;
 mod elf;
 mod firmware;
 mod fuzz;
 mod hash;
 mod nalgebra;
 mod no_panic;
+mod packages;
 mod process;
 mod python;
 mod steps;
@@ -34,7 +36,11 @@ fn main() -> ExitCode {
             print!("{}", steps::list());
             Ok(())
         }
-        Task::Test { only, fail_fast } => match steps::test(&only, fail_fast) {
+        Task::Test {
+            only,
+            fail_fast,
+            long,
+        } => match steps::test(&only, fail_fast, long) {
             Ok(true) => Ok(()),
             Ok(false) => return ExitCode::FAILURE, // the summary is the last word
             Err(message) => Err(message),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::hash;
+use crate::packages::install_debian;
 use crate::process::{Outcome, cargo, root, run, target_directory};
 
 /// The packages with their exact versions.
@@ -59,15 +60,4 @@ fn environment() -> Result<PathBuf, String> {
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
         .args(PACKAGES))?;
     Ok(python)
-}
-
-/// Installs packages by apt; says which are missing where that cannot be done.
-pub fn install_debian(packages: &[&str]) -> Outcome {
-    let missing = |error| format!("{error}\nPlease install {}", packages.join(" and "));
-    run(Command::new("apt-get").args(["update", "--quiet"])).map_err(missing)?;
-    let mut install = Command::new("apt-get");
-    run(install
-        .args(["install", "--yes", "--quiet", "--no-install-recommends"])
-        .args(packages))
-    .map_err(missing)
 }

@@ -1,29 +1,25 @@
 //! The steps of `cargo xtask test`, and how they are run and summed up.
 
 use std::fmt::Write;
+use std::process::Command;
 use std::time::Instant;
 
-use crate::process::{Outcome, cargo, run};
-use crate::toolchain::BOARD;
-use crate::{firmware, fuzz, hash, nalgebra, no_panic, python, toolchain};
+use crate::process::{Outcome, run};
+use crate::{cargo_checks, firmware, fuzz, hash, nalgebra, no_panic, packages, python, toolchain};
 
-/// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 6] = [
-    "windhover-math",
-    "windhover-parameters",
-    "windhover-control",
-    "windhover-estimator",
-    "windhover-autopilot",
-    "windhover-flight-log",
-];
-
-/// What exists on the board only; its desktop `main` only says so.
-const BOARD_ONLY: [&str; 2] = ["windhover-firmware", "windhover-no-panic"];
+/// With this variable set, tests fly their long flights too.
+const LONG: &str = "WINDHOVER_LONG";
 
 struct Step {
     name: &'static str,
     what: &'static str,
-    run: fn() -> Outcome,
+    run: Run,
+}
+
+enum Run {
+    Check(fn() -> Outcome),
+    /// Tests, which heed [`LONG`].
+    Tests(fn() -> Command),
 }
 
 const STEPS: &[Step] = &[
@@ -32,11 +28,24 @@ const STEPS: &[Step] = &[
         "the board's target and LLVM's tools are installed",
         toolchain::install,
     ),
-    step("fmt", "the code is formatted", fmt),
-    step("clippy", "no warning on the desktop", clippy),
-    step("clippy-board", "no warning on the board", clippy_board),
-    step("test", "unit tests and flights, dev profile", tests),
-    step("flights", "whole flights, release profile", flights),
+    step(
+        "packages",
+        "compilers and libraries that the emulated board is built with",
+        packages::install,
+    ),
+    step("fmt", "the code is formatted", cargo_checks::fmt),
+    step("clippy", "no warning on the desktop", cargo_checks::clippy),
+    step(
+        "clippy-board",
+        "no warning on the board",
+        cargo_checks::clippy_board,
+    ),
+    tests(
+        "test",
+        "unit tests and flights, dev profile",
+        cargo_checks::workspace,
+    ),
+    tests("flights", "whole flights, release profile", cargo_checks::flights),
     step("hash", "every build flies the same bits", hash::is_equal),
     step(
         "pyulog",
@@ -48,8 +57,16 @@ const STEPS: &[Step] = &[
         "the log's reader stands half a minute of fuzzing",
         fuzz::targets,
     ),
-    step("doc", "the documentation builds without a warning", doc),
-    step("build-board", "the core builds for the board", build_board),
+    step(
+        "doc",
+        "the documentation builds without a warning",
+        cargo_checks::doc,
+    ),
+    step(
+        "build-board",
+        "the core builds for the board",
+        cargo_checks::build_board,
+    ),
     step(
         "no-panic",
         "no panic can be reached from the steps and their log",
@@ -66,10 +83,31 @@ const STEPS: &[Step] = &[
         "the firmware links, and its sections lie where they must",
         firmware::check,
     ),
+    tests(
+        "hil",
+        "the emulated board, and the firmware's flights on it",
+        cargo_checks::emulated_board,
+    ),
 ];
 
-const fn step(name: &'static str, what: &'static str, run: fn() -> Outcome) -> Step {
+const fn step(name: &'static str, what: &'static str, check: fn() -> Outcome) -> Step {
+    let run = Run::Check(check);
     Step { name, what, run }
+}
+
+const fn tests(name: &'static str, what: &'static str, command: fn() -> Command) -> Step {
+    let run = Run::Tests(command);
+    Step { name, what, run }
+}
+
+impl Step {
+    fn run(&self, long: bool) -> Outcome {
+        match self.run {
+            Run::Check(check) => check(),
+            Run::Tests(command) if long => run(command().env(LONG, "1")),
+            Run::Tests(command) => run(&mut command()),
+        }
+    }
 }
 
 /// One line a step.
@@ -82,13 +120,13 @@ pub fn list() -> String {
 
 /// Runs all steps, or those named, and reports on each. Whether all passed; an error if there is
 /// no such step.
-pub fn test(only: &[String], fail_fast: bool) -> Result<bool, String> {
+pub fn test(only: &[String], fail_fast: bool, long: bool) -> Result<bool, String> {
     let chosen = choose(only)?;
     let mut results = Vec::new();
     for step in chosen {
         println!("\n== {}: {}", step.name, step.what);
         let start = Instant::now();
-        let outcome = (step.run)();
+        let outcome = step.run(long);
         let seconds = start.elapsed().as_secs_f64();
         match &outcome {
             Ok(()) => println!("== {}: passed in {seconds:.1} s", step.name),
@@ -138,60 +176,6 @@ fn summary(results: &[Finished]) -> String {
     let passed = results.iter().filter(|step| step.passed).count();
     writeln!(text, "{passed} passed, {} failed", results.len() - passed).expect("a String takes all");
     text
-}
-
-fn fmt() -> Outcome {
-    run(&mut cargo(["fmt", "--all", "--check"]))
-}
-
-fn clippy() -> Outcome {
-    run(&mut cargo([
-        "clippy",
-        "--locked",
-        "--workspace",
-        "--all-targets",
-        "--",
-        "--deny",
-        "warnings",
-    ]))
-}
-
-fn clippy_board() -> Outcome {
-    let mut command = cargo(["clippy", "--locked", "--target", BOARD]);
-    command.args(packages("--package", CORE.iter().chain(&BOARD_ONLY)));
-    run(command.args(["--", "--deny", "warnings"]))
-}
-
-fn tests() -> Outcome {
-    let mut command = cargo(["test", "--locked", "--workspace"]);
-    run(command.args(packages("--exclude", &BOARD_ONLY)))
-}
-
-fn flights() -> Outcome {
-    run(&mut cargo([
-        "test",
-        "--locked",
-        "--release",
-        "--package",
-        "windhover-tests",
-    ]))
-}
-
-fn doc() -> Outcome {
-    let mut command = cargo(["doc", "--locked", "--workspace", "--no-deps"]);
-    run(command.env("RUSTDOCFLAGS", "--deny warnings"))
-}
-
-fn build_board() -> Outcome {
-    let mut command = cargo(["build", "--locked", "--release", "--target", BOARD]);
-    run(command.args(packages("--package", &CORE)))
-}
-
-fn packages<'a>(
-    option: &'a str,
-    names: impl IntoIterator<Item = &'a &'static str>,
-) -> impl Iterator<Item = &'a str> {
-    names.into_iter().flat_map(move |name| [option, *name])
 }
 
 #[cfg(test)]
