@@ -245,7 +245,7 @@ fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
     } else if watch.finished {
         Some((true, format!("mission completed at {time:.1} s")))
     } else if watch.tries_for(time) >= TRIES {
-        let text = format!("too heavy: the vehicle does not leave the ground within {TRIES} s");
+        let text = format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground");
         Some((false, text))
     } else if time >= TIME_LIMIT {
         Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
