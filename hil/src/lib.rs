@@ -6,12 +6,14 @@
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
 //! - [`figures`]: what is measured of it.
+//! - [`count`]: what the code costs in instructions.
 //! - [`elf`]: the program, and the names in it.
 //! - [`rtt`], [`log`]: what the program says by defmt.
 //! - [`trouble`]: what goes wrong inside the processor, on purpose.
 //! - [`violation`]: what the firmware must not do; the run stops there and says so.
 
 pub mod board;
+pub mod count;
 pub mod elf;
 pub mod figures;
 pub mod flight;

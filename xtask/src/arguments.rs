@@ -10,6 +10,7 @@ cargo xtask TASK
     --long          the tests' long flights too: sets WINDHOVER_LONG=1 for them
     --list          say what the steps are, and do nothing
   bench [ARGS]    the benchmarks of windhover-sim; ARGS go to them
+  count           instructions of the firmware's steps and of the core's functions
   size            flash and RAM of the firmware by section and by crate
   help            this text
 ";
@@ -25,6 +26,7 @@ pub enum Task {
         long: bool,
     },
     Bench(Vec<String>),
+    Count,
     Size,
 }
 
@@ -35,6 +37,7 @@ pub fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Task, String
         Some("help" | "--help" | "-h") => Task::Help,
         Some("test") => return parse_test(arguments),
         Some("bench") => return Ok(Task::Bench(arguments.collect())),
+        Some("count") => Task::Count,
         Some("size") => Task::Size,
         Some(other) => return Err(format!("there is no task `{other}`")),
     };

@@ -66,7 +66,7 @@ pub fn size() -> Outcome {
 }
 
 /// Builds by the alias that users type, and says where the ELF is.
-fn build() -> Result<PathBuf, String> {
+pub fn build() -> Result<PathBuf, String> {
     run(&mut cargo(["firmware", "--locked"]))?;
     Ok(target_directory()?.join(BOARD).join("release/windhover-firmware"))
 }

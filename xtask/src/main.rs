@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cargo_checks;
+mod count;
 mod elf;
 mod firmware;
 mod fuzz;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
             Err(message) => Err(message),
         },
         Task::Bench(arguments) => bench(&arguments),
+        Task::Count => count::check(),
         Task::Size => firmware::size(),
     };
     match outcome {

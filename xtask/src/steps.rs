@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::process::{Outcome, run};
-use crate::{cargo_checks, firmware, fuzz, hash, nalgebra, no_panic, packages, python, toolchain};
+use crate::{cargo_checks, count, firmware, fuzz, hash, nalgebra, no_panic, packages, python, toolchain};
 
 /// With this variable set, tests fly their long flights too.
 const LONG: &str = "WINDHOVER_LONG";
@@ -87,6 +87,11 @@ const STEPS: &[Step] = &[
         "hil",
         "the emulated board, and the firmware's flights on it",
         cargo_checks::emulated_board,
+    ),
+    step(
+        "count",
+        "the steps and the core's functions take no more instructions than they may",
+        count::check,
     ),
 ];
 

@@ -1,0 +1,133 @@
+//! The inner and the outer step of the firmware, counted while it flies.
+//!
+//! The flight is an open loop but for the attitude: a thrust a little above the weight, and a new
+//! attitude every other second, so that control always has something to do.
+
+use std::sync::Arc;
+
+use windhover_autopilot::Command;
+use windhover_bench_port::Request;
+use windhover_control::position::AttitudeSetpoint;
+use windhover_flight_log::Input;
+use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
+
+use super::{Call, Count};
+use crate::elf::Elf;
+use crate::flight::{Flight, FlightError, Plan, Vehicle405};
+use crate::machine::{Calls, Probe};
+use crate::time::SECOND;
+
+/// The machine stops so often to be asked, in ticks of virtual time: several times between two
+/// inner ticks, so that each call is seen alone.
+const SLICE: u64 = SECOND / 10_000;
+
+/// A setpoint arrives so often.
+const SETPOINT_PERIOD: u64 = SECOND / 50;
+
+/// When the firmware is told to arm, and then to take attitudes.
+const ARM: u64 = SECOND;
+const START: u64 = SECOND + SECOND / 10;
+
+/// From then on the vehicle is in the air, and everything counts.
+const AIRBORNE: u64 = 3 * SECOND;
+
+/// Thrust as a share of the weight.
+const CLIMB: f64 = 1.05;
+
+/// Roll and pitch that are held in turn, in degrees, and for how long.
+const TILTS: [[f32; 2]; 4] = [[10.0, 0.0], [0.0, 10.0], [-10.0, 0.0], [0.0, -10.0]];
+const HOLD: u64 = 2 * SECOND;
+
+/// What a flight counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ticks {
+    /// Inner ticks while disarmed.
+    pub disarmed: Count,
+    /// Inner ticks in the air: predictor, attitude control and mixer, and nothing else.
+    pub between: Count,
+    /// Inner ticks in the air that also adopt a result of the outer step and hand over to it.
+    pub boundaries: Count,
+    /// The outer step in the air.
+    pub outer: Count,
+}
+
+/// Flies the firmware for the plan's seconds in the air.
+///
+/// # Errors
+/// When it has not these functions, or does what it must not.
+pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
+    let mut flight = Flight::new(elf, plan)?;
+    let mut inner = Sampler::new(&mut flight.machine, "steps::inner_step")?;
+    let mut outer = Sampler::new(&mut flight.machine, "steps::outer_step")?;
+    let end = AIRBORNE + (plan.seconds * SECOND as f64) as u64;
+    let mut ticks = Ticks::default();
+    let mut last_inner = None;
+    for slice in 0..end / SLICE {
+        let now = slice * SLICE;
+        steer(&mut flight, plan.vehicle.plant.mass, now);
+        flight.run(now + SLICE)?;
+        if let Some(call) = inner.take(&flight.machine) {
+            // Whether the last one was a boundary is known by now.
+            if let (Some(call), AIRBORNE..) = (last_inner.replace(call), now) {
+                ticks.between.add(call);
+            } else if now < ARM {
+                ticks.disarmed.add(call);
+            }
+        }
+        // An outer step ends before the next inner tick: the last one was its boundary.
+        if let (Some(call), AIRBORNE..) = (outer.take(&flight.machine), now) {
+            ticks.outer.add(call);
+            ticks
+                .boundaries
+                .add(last_inner.take().expect("an inner tick comes before"));
+        }
+    }
+    Ok(ticks)
+}
+
+/// Sends what is due at this moment.
+fn steer(flight: &mut Flight, mass: f64, now: u64) {
+    let mut send = |input| flight.send(Request::Input(input));
+    match now {
+        ARM => send(Input::Command(Command::Arm)),
+        START => send(Input::Command(Command::StartAttitude)),
+        _ => {}
+    }
+    if now.is_multiple_of(SETPOINT_PERIOD) {
+        let [roll, pitch] = TILTS[(now / HOLD) as usize % TILTS.len()].map(f32::to_radians);
+        let attitude = Quaternion::from_euler(Euler {
+            roll,
+            pitch,
+            yaw: 0.0,
+        });
+        send(Input::Attitude(AttitudeSetpoint {
+            attitude,
+            rate: Vector3::zeros(),
+            thrust: (CLIMB * mass * f64::from(GRAVITY)) as f32,
+        }));
+    }
+}
+
+/// Tells the calls of a function apart.
+struct Sampler {
+    probe: Probe,
+    seen: Calls,
+}
+
+impl Sampler {
+    fn new(machine: &mut Vehicle405, function: &str) -> Result<Self, FlightError> {
+        let probe = machine.count(function)?;
+        let seen = machine.calls(probe);
+        Ok(Self { probe, seen })
+    }
+
+    /// The call that ended since the last time; none as well if it was more than one.
+    fn take(&mut self, machine: &Vehicle405) -> Option<Call> {
+        let calls = machine.calls(self.probe);
+        let before = std::mem::replace(&mut self.seen, calls);
+        (calls.count == before.count + 1).then(|| Call {
+            instructions: calls.instructions.sum - before.instructions.sum,
+            cycles: calls.cycles.sum - before.cycles.sum,
+        })
+    }
+}
