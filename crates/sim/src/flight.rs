@@ -15,6 +15,12 @@ use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_poly
 use crate::mission_file::MissionFile;
 use crate::report::Event;
 
+/// Below this height a vehicle has not left the ground, m.
+const ON_GROUND: f64 = 0.02;
+
+/// A vehicle that tries for so long and does not leave the ground is too heavy, s.
+const TRIES: f64 = 30.0;
+
 /// A flight that has not come to its end by then is ended, s.
 const TIME_LIMIT: f64 = 4.0 * 3600.0;
 
@@ -238,6 +244,9 @@ fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
         Some((false, format!("refused at {time:.3} s: {refused}")))
     } else if watch.finished {
         Some((true, format!("mission completed at {time:.1} s")))
+    } else if watch.tries_for(time) >= TRIES {
+        let text = format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground");
+        Some((false, text))
     } else if time >= TIME_LIMIT {
         Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
     } else {
@@ -250,6 +259,8 @@ struct Watch {
     items: usize,
     item: usize,
     hash: MotorHash,
+    /// Since when control has run on the ground, s.
+    trying_since: Option<f64>,
     started: Option<f64>,
     finished: bool,
     refused: Option<String>,
@@ -268,8 +279,13 @@ struct Watch {
 
 impl Recorder for Watch {
     #[inline]
-    fn tick(&mut self, _: &Truth, _: &InnerInput, motors: MotorCommand, _: Option<ScheduleRecord>) {
+    fn tick(&mut self, truth: &Truth, _: &InnerInput, motors: MotorCommand, _: Option<ScheduleRecord>) {
         self.hash.add(motors);
+        if matches!(motors, MotorCommand::Run(_)) && -truth.position.z < ON_GROUND {
+            self.trying_since.get_or_insert(truth.time);
+        } else {
+            self.trying_since = None;
+        }
     }
 
     fn outer(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
@@ -306,6 +322,7 @@ impl Watch {
             items,
             item: 0,
             hash: MotorHash::default(),
+            trying_since: None,
             started: None,
             finished: false,
             refused: None,
@@ -321,6 +338,10 @@ impl Watch {
             saturated: 0,
             time: 0.0,
         }
+    }
+
+    fn tries_for(&self, time: f64) -> f64 {
+        self.trying_since.map_or(0.0, |since| time - since)
     }
 
     fn progress(&self) -> f64 {

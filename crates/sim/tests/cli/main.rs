@@ -235,6 +235,17 @@ fn a_flight_that_fails_says_what_and_when_and_leaves_its_report() {
     );
 }
 
+/// Hours of standing at full thrust would tell nobody more.
+#[test]
+fn a_vehicle_that_is_too_heavy_is_given_up_at_once() {
+    let folder = Folder::new("heavy");
+    assert_fails(
+        &folder,
+        &["fly", "--payload", "5"],
+        &["too heavy", "given up at 30"],
+    );
+}
+
 /// With `--json`, too, the object is all there is on stdout.
 #[test]
 fn a_flight_that_fails_is_json_too() {

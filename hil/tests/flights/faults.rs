@@ -1,0 +1,138 @@
+//! What goes wrong: motors go off or follow the rule, and the next start names the cause.
+
+use windhover_hil::flight::Flight;
+
+use crate::{fly, off_since, plan};
+
+/// When it goes wrong, s since power-on: well in the air.
+const AT: f64 = 7.0;
+
+/// Frames of the motors' pulses, s: what is commanded within 20 ms is in the pulses one later.
+const FRAME: f64 = 0.0025;
+
+fn said(flight: &Flight, text: &str) -> bool {
+    flight.lines.iter().any(|line| line.message.contains(text))
+}
+
+/// Flies into trouble inside the processor: the firmware starts anew once, names the cause over
+/// defmt and in its log, and stays disarmed. Returns how long motors turned on, s.
+fn ends_in_a_restart(trouble: &str, cause: &str) -> f64 {
+    let mut plan = plan(7.0);
+    plan.troubles = vec![format!("{trouble}@{AT}").parse().expect("a trouble")];
+    let (flight, figures) = fly(&plan);
+    assert!(figures.outcome.height > 3.0, "{trouble}: it was to fly first");
+    assert_eq!(figures.resets, 1, "{trouble}");
+    assert!(
+        figures.reset_cause.contains(cause),
+        "{trouble}: {}",
+        figures.reset_cause
+    );
+    assert!(
+        said(&flight, &format!("started by: {}", figures.reset_cause)),
+        "{trouble}"
+    );
+    assert!(figures.replays(), "{trouble}: {:?}", figures.replay);
+    off_since(&flight).expect("the motors are off") - AT
+}
+
+#[test]
+fn a_panic_stops_the_motors_and_is_named() {
+    let after = ends_in_a_restart("panics", "panic at src/shared.rs");
+    assert!(after < 0.02, "{after} s");
+}
+
+#[test]
+fn a_stack_overflow_faults_and_is_named() {
+    let after = ends_in_a_restart("stack-overflows", "stack overflow");
+    assert!(after < 0.02, "{after} s");
+}
+
+#[test]
+fn an_outer_step_that_spins_ends_at_the_watchdog() {
+    let after = ends_in_a_restart("outer-spins", "watchdog");
+    assert!(after < 0.27, "{after} s");
+}
+
+#[test]
+fn an_inner_step_that_spins_ends_at_the_watchdog() {
+    let after = ends_in_a_restart("inner-spins", "watchdog");
+    assert!(after < 0.27, "{after} s");
+}
+
+#[test]
+fn a_power_cut_ends_disarmed() {
+    let after = ends_in_a_restart("power-cut", "power-on");
+    assert!(after < 0.02, "{after} s");
+}
+
+/// A thread that spins takes the log and the command port with it, but not the loops: without new
+/// setpoints the vehicle levels and descends, and no watchdog throws it out of the air.
+#[test]
+fn a_thread_that_spins_does_not_touch_the_loops() {
+    let mut plan = plan(13.0);
+    plan.troubles = vec![format!("thread-spins@{AT}").parse().expect("a trouble")];
+    let (flight, figures) = fly(&plan);
+    assert_eq!(figures.resets, 0);
+    let truth = flight.truth();
+    assert!(truth.attitude.down_axis().z > 0.999, "level");
+    assert!(
+        -truth.position.z > 3.0 && truth.velocity.z > 0.0,
+        "in the air, going down"
+    );
+    assert!(figures.replays(), "{:?}", figures.replay);
+}
+
+/// 20 ms without a sample, and the motors stop; the inner loop keeps its ticks.
+#[test]
+fn inertial_sensors_lost_in_flight() {
+    for fault in [
+        "imu-unplugged",
+        "spi-stuck-low",
+        "spi-stuck-high",
+        "spi-repeats",
+        "data-ready-lost",
+    ] {
+        let mut plan = plan(6.5);
+        plan.rig.faults = vec![format!("{fault}@{AT}").parse().expect("a fault")];
+        let (flight, figures) = fly(&plan);
+        assert!(figures.outcome.height > 3.0, "{fault}: it was to fly first");
+        let after = off_since(&flight).expect("the motors are off") - AT;
+        assert!(after < 0.0225 + FRAME, "{fault}: {after} s");
+        assert_eq!(figures.resets, 0, "{fault}");
+        assert!(figures.replays(), "{fault}: {:?}", figures.replay);
+        assert!(said(&flight, "inertial sensors"), "{fault}: {:?}", flight.lines);
+    }
+}
+
+#[test]
+fn absent_inertial_sensors_are_named_and_nothing_arms() {
+    let mut plan = plan(3.0);
+    plan.rig.faults = vec!["imu-absent".parse().expect("a fault")];
+    let (flight, figures) = fly(&plan);
+    assert!(said(&flight, "inertial sensors: absent (identity 0xff)"));
+    assert_eq!((figures.resets, figures.outcome.height), (0, 0.0));
+    assert_eq!(
+        flight
+            .machine
+            .bus()
+            .wiring
+            .motor_commands()
+            .map(|c| c.unwrap_or(0)),
+        [0; 4]
+    );
+    assert!(figures.replays(), "{:?}", figures.replay);
+}
+
+/// Sensors that come back are set up again: the next flight needs no restart.
+#[test]
+fn inertial_sensors_that_come_back_are_used_again() {
+    let mut plan = plan(6.0);
+    plan.rig.faults = vec!["imu-unplugged@0.5+0.7".parse().expect("a fault")];
+    let (_, figures) = fly(&plan);
+    assert!(
+        figures.outcome.height > 3.0 && figures.outcome.stopped,
+        "{:?}",
+        figures.outcome
+    );
+    assert!(figures.replays(), "{:?}", figures.replay);
+}

@@ -1,0 +1,109 @@
+//! What the firmware did on the board, the desktop repeats bit for bit.
+
+use windhover_hil::trouble::Slow;
+
+use crate::{fly, is_long, plan};
+
+/// Whole flights: attitudes are held, loads and latency keep their bounds (estimates by the cost
+/// model), and the log replays equal.
+fn holds_and_replays(rate: f32, seconds: f64) {
+    let plan = plan(seconds)
+        .with_parameter("IMU_GYRO_RATEMAX", rate)
+        .expect("a rate");
+    let (_, figures) = fly(&plan);
+    assert!(figures.replays(), "{:?}", figures.replay);
+    assert!(
+        figures.outcome.stopped && figures.outcome.height > 5.0,
+        "{:?}",
+        figures.outcome
+    );
+    assert!(
+        figures.outcome.attitude_error < 1f64.to_radians(),
+        "{:?}",
+        figures.outcome
+    );
+    let health = figures.health.expect("once a second");
+    assert!(health.latency_max <= 150, "{} us", health.latency_max);
+    assert!(
+        figures.load_inner <= if rate < 2000.0 { 0.2 } else { 0.5 },
+        "{}",
+        figures.load_inner
+    );
+    // One restart stores the parameter, the next flies with it.
+    assert_eq!(
+        (figures.resets, figures.reset_cause.as_str()),
+        (2, "restart by command")
+    );
+}
+
+#[test]
+fn at_1_khz() {
+    holds_and_replays(1000.0, if is_long() { 60.0 } else { 15.0 });
+}
+
+#[test]
+fn at_4_khz() {
+    holds_and_replays(4000.0, if is_long() { 60.0 } else { 8.0 });
+}
+
+/// An outer step that takes up to three periods misses boundaries; nothing about that is lost.
+#[test]
+fn with_an_outer_step_slowed_until_deadlines_are_missed() {
+    let seeds = if is_long() { 8 } else { 2 };
+    for seed in 1..=seeds {
+        let rate = if seed % 2 == 0 { 4000.0 } else { 1000.0 };
+        let mut plan = plan(8.0)
+            .with_parameter("IMU_GYRO_RATEMAX", rate)
+            .expect("a rate");
+        plan.slow = Some(Slow {
+            most: 0.012,
+            share: 1.0,
+            seed,
+        });
+        let (_, figures) = fly(&plan);
+        assert!(figures.replays(), "seed {seed}: {:?}", figures.replay);
+        assert!(
+            figures.counts.is_some_and(|counts| counts.missed > 100),
+            "seed {seed}"
+        );
+        assert!(
+            figures.outcome.attitude_error < 5f64.to_radians(),
+            "seed {seed}: {:?}",
+            figures.outcome
+        );
+    }
+}
+
+/// Data-ready is lost for 5 to 500 ms, again and again, from in flight on.
+#[test]
+fn with_data_ready_lost_at_random() {
+    let seeds = if is_long() { 10 } else { 2 };
+    for seed in 1..=seeds {
+        let rate = if seed % 2 == 0 { 4000.0 } else { 1000.0 };
+        let mut plan = plan(8.0)
+            .with_parameter("IMU_GYRO_RATEMAX", rate)
+            .expect("a rate");
+        plan.rig.faults = vec!["data-ready-random@7".parse().expect("a fault")];
+        plan.rig.seed = seed;
+        let (_, figures) = fly(&plan);
+        assert!(figures.replays(), "seed {seed}: {:?}", figures.replay);
+        assert!(
+            figures.counts.is_some_and(|counts| counts.missing > 100),
+            "seed {seed}"
+        );
+    }
+}
+
+/// Equal inputs, equal bits: also of the whole machine.
+#[test]
+fn a_flight_repeats() {
+    let flown = || {
+        let (flight, _) = fly(&plan(3.0));
+        (flight.flight_log(), flight.machine.trace_hash())
+    };
+    let (first, second) = std::thread::scope(|scope| {
+        let second = scope.spawn(flown);
+        (flown(), second.join().expect("it flies"))
+    });
+    assert!(first == second, "two equal flights differ");
+}
