@@ -1,7 +1,7 @@
 //! Threads and handlers against each other: masks, priorities, pending, and what must be kept.
 
-use crate::handlers::{self, COUNTS, Duty, LOG, LOGGED, duty, prioritise, total};
 use crate::conditional::{self, Kind};
+use crate::handlers::{self, COUNTS, Duty, LOG, LOGGED, duty, prioritise, total};
 use crate::kernel;
 use crate::tester::{self, LINES};
 use core::arch::{asm, global_asm};
