@@ -166,3 +166,31 @@ fn a_flight_repeats() {
     });
     assert!(first == second, "two equal flights differ");
 }
+
+/// The sensors' oscillator is off by up to 2 %: samples drift against the board's time-outs, and
+/// lost ones meet them in every phase.
+#[test]
+fn with_sensors_whose_clock_is_off() {
+    for (rate, ppm) in [
+        (1000.0, 20_000),
+        (1000.0, -20_000),
+        (4000.0, 20_000),
+        (4000.0, -20_000),
+    ] {
+        let mut plan = plan(5.0)
+            .with_parameter("IMU_GYRO_RATEMAX", rate)
+            .expect("a rate");
+        plan.rig.imu_clock_ppm = ppm;
+        let quiet = fly(&plan).1;
+        assert!(quiet.replays(), "{rate} {ppm}: {:?}", quiet.replay);
+        assert!(quiet.outcome.height > 3.0, "{rate} {ppm}: {:?}", quiet.outcome);
+        plan.rig.faults = vec!["data-ready-random@6".parse().expect("a fault")];
+        let (_, lossy) = fly(&plan);
+        assert!(lossy.replays(), "{rate} {ppm}: {:?}", lossy.replay);
+        let [few, many] = [quiet, lossy].map(|figures| figures.counts.expect("sums").missing);
+        assert!(
+            few < 200 && many > few,
+            "{rate} {ppm}: {few} and {many} without a sample"
+        );
+    }
+}
