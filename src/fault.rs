@@ -7,6 +7,7 @@ use core::cell::UnsafeCell;
 use core::fmt::{self, Write};
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::SCB;
 use embassy_stm32::pac::RCC;
@@ -31,7 +32,7 @@ struct Note {
     /// A parameter that the next start is to store: its index, or [`NO_PARAMETER`], and the bits
     /// of its value.
     parameter: [u32; 2],
-    /// Exclusive or of all words before.
+    /// [`Note::sum`] of all that is before.
     check: u32,
 }
 
@@ -78,7 +79,9 @@ impl Note {
             .text
             .chunks(4)
             .map(|word| word.iter().fold(0u32, |word, byte| word << 8 | u32::from(*byte)));
-        words.fold(self.magic ^ self.length, |sum, word| sum.rotate_left(5) ^ word)
+        words
+            .chain(self.parameter)
+            .fold(self.magic ^ self.length, |sum, word| sum.rotate_left(5) ^ word)
     }
 
     fn text(&self) -> Option<&str> {
@@ -97,10 +100,15 @@ fn give_up(text: &str) -> ! {
 fn start_anew(text: &str, parameter: [u32; 2]) -> ! {
     cortex_m::interrupt::disable();
     board::motors_off();
-    let note = Note::new(text, parameter);
-    // SAFETY: interrupts are off and nothing returns from here: no one else uses the place.
-    unsafe { NOTE.0.get().write_volatile(MaybeUninit::new(note)) };
-    defmt::error!("{=str}", text);
+    // What fails on the way down must not hide why: a log that was interrupted half-way panics when
+    // it is used again, and would do so for ever.
+    static ON_THE_WAY: AtomicBool = AtomicBool::new(false);
+    if !ON_THE_WAY.swap(true, Ordering::Relaxed) {
+        let note = Note::new(text, parameter);
+        // SAFETY: interrupts are off and nothing returns from here: no one else uses the place.
+        unsafe { NOTE.0.get().write_volatile(MaybeUninit::new(note)) };
+        defmt::error!("{=str}", text);
+    }
     SCB::sys_reset()
 }
 

@@ -4,6 +4,7 @@
 use windhover_flight_log::View;
 use windhover_flight_log::reader::{Entry, Log};
 use windhover_flight_log::views::{BoardHealth, TickCounts};
+use windhover_math::max;
 use windhover_sim::replay::{Replay, replay};
 
 use crate::flight::{Flight, Outcome};
@@ -48,7 +49,7 @@ impl Figures {
         let inner: u64 = INNER_EXCEPTIONS.iter().map(|n| load.exception(*n)).sum();
         let mut figures = Self {
             outcome,
-            speed: virtual_s / wall_s.max(1e-9),
+            speed: virtual_s / max(wall_s, 1e-9),
             virtual_s,
             load_inner: inner as f64 / total,
             load: 1.0 - load.asleep as f64 / total,

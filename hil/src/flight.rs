@@ -11,7 +11,7 @@ use windhover_bench_port::{FRAME, Request};
 use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::Input;
 use windhover_flight_log::wire::MAGIC;
-use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
+use windhover_math::{Euler, GRAVITY, Quaternion, Vector3, asin, max};
 use windhover_model::{Conditions, Truth, Vehicle};
 
 use crate::board::Board;
@@ -160,17 +160,17 @@ impl Flight {
     }
 
     /// Stores the plan's parameters, each by a restart of the firmware, and waits until it is
-    /// ready.
+    /// ready. A second time there is nothing left to do.
     ///
     /// # Errors
     /// What stopped the machine.
     pub fn prepare(&mut self) -> Result<(), FlightError> {
         self.run(READY)?;
-        for write in self.plan.parameters.clone() {
+        for write in std::mem::take(&mut self.plan.parameters) {
             self.send(Request::SaveParameter(write));
             self.run(self.machine.now() + READY)?;
         }
-        if let Some(slow) = self.plan.slow {
+        if let Some(slow) = self.plan.slow.take() {
             trouble::slow(&mut self.machine, &slow)?;
         }
         self.begin = self.machine.now();
@@ -187,14 +187,14 @@ impl Flight {
         let steps = (self.plan.seconds * 50.0) as u64;
         for step in 0..steps {
             let error = self.steer(step as f64 / 50.0);
-            outcome.attitude_error = outcome.attitude_error.max(error.unwrap_or(0.0));
+            outcome.attitude_error = max(outcome.attitude_error, error.unwrap_or(0.0));
             match step {
                 5 => self.send(Request::Input(Input::Command(Command::Arm))),
                 10 => self.send(Request::Input(Input::Command(Command::StartAttitude))),
                 _ => {}
             }
             self.run(self.begin + (step + 1) * SETPOINT_PERIOD)?;
-            outcome.height = outcome.height.max(-self.truth().position.z);
+            outcome.height = max(outcome.height, -self.truth().position.z);
             progress(step as f64 / steps as f64);
         }
         self.send(Request::Urgent(Urgent::Disarm));
@@ -276,12 +276,13 @@ fn thrust(mass: f64, truth: &Truth) -> f32 {
     let error = HEIGHT + truth.position.z;
     let climb = (0.6 * error).clamp(-2.0, 2.0);
     let up = f64::from(GRAVITY) + 2.0 * (climb + truth.velocity.z);
-    (mass * up / truth.attitude.down_axis().z.max(0.5)).max(0.0) as f32
+    max(mass * up / max(truth.attitude.down_axis().z, 0.5), 0.0) as f32
 }
 
 /// Angle between two attitudes, in rad.
 fn angle_between(wanted: Quaternion, is: Quaternion<f64>) -> f64 {
     let [w, x, y, z] = [wanted.w, wanted.x, wanted.y, wanted.z].map(f64::from);
     let off = (Quaternion::new(w, x, y, z).conjugate() * is).shortest();
-    2.0 * off.w.clamp(-1.0, 1.0).acos()
+    // By the sine: its inverse is exact where the angle is small, as it should be.
+    2.0 * f64::from(asin((off.x * off.x + off.y * off.y + off.z * off.z).sqrt() as f32))
 }

@@ -155,7 +155,7 @@ fn run(cli: &Cli) -> Result<bool, String> {
     if cli.json {
         println!("{}", figures.json());
     } else {
-        print!("{}log                   {}\n", figures.text(), cli.out.display());
+        println!("{}log                   {}", figures.text(), cli.out.display());
     }
     Ok(figures.replays() && figures.outcome.stopped)
 }

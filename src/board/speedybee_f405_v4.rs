@@ -57,11 +57,12 @@ bind_interrupts!(struct Interrupts {
     USART1 => usart::BufferedInterruptHandler<USART1>;
 });
 
-/// Drives the motor pins low: an electronic speed controller that sees no pulse does not turn.
+/// Drives the motor pins low, and holds the timers behind them in reset: an electronic speed
+/// controller that sees no pulse does not turn.
 ///
 /// It needs no clock setup, no driver and no memory, so it can be the first thing that runs, and
 /// it may be called at any time. The level is set before the direction, so that no pin goes high
-/// meanwhile.
+/// meanwhile. Whoever sets up a timer releases it.
 pub fn motors_off() {
     RCC.ahb1enr().modify(|enable| enable.set_gpioben(true));
     RCC.ahb1enr().read(); // errata: a port answers two cycles after its clock is enabled
@@ -79,6 +80,10 @@ pub fn motors_off() {
         for pin in MOTOR_PINS {
             mode.set_moder(pin, Moder::OUTPUT);
         }
+    });
+    RCC.apb1rstr().modify(|reset| {
+        reset.set_tim3rst(true);
+        reset.set_tim4rst(true);
     });
 }
 

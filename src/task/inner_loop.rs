@@ -146,6 +146,9 @@ impl InnerLoop {
                     accel: sample.accel,
                     gyro: sample.gyro,
                 };
+                // It may have been ready just before a tick that went ahead without it: time does
+                // not run backwards.
+                let time = time.max(self.last_tick.as_micros());
                 self.tick(Imu::Sample { counts, time });
             }
             _ => shared::add(&COUNTERS.imu_errors, 1),

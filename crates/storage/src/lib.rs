@@ -36,6 +36,8 @@ pub struct Loaded {
 pub enum StoreError {
     /// There is no such parameter.
     Unknown,
+    /// The parameter does not take this value: stored, it would be refused at each start.
+    Refused,
     /// The flash or its journal refuses.
     Flash,
 }
@@ -82,6 +84,7 @@ impl<F: NorFlash> ParameterStore<F> {
     /// See [`StoreError`].
     pub async fn save(&mut self, index: usize, value: f32) -> Result<(), StoreError> {
         let declaration = Parameters::declaration(index).ok_or(StoreError::Unknown)?;
+        declaration.check(value).map_err(|_| StoreError::Refused)?;
         let key = key(declaration.name).ok_or(StoreError::Unknown)?;
         let mut buffer = [0; ITEM];
         self.journal

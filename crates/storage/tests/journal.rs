@@ -4,6 +4,8 @@ use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
+use sequential_storage::cache::Cache;
+use sequential_storage::map::{MapConfig, MapStorage};
 use windhover_autopilot::Parameters;
 use windhover_storage::{Loaded, ParameterStore, StoreError};
 
@@ -141,16 +143,35 @@ fn sectors_are_used_in_turn() {
     assert_eq!((loaded.set, loaded.refused, loaded.corrupt), (2, 0, false));
 }
 
+/// As a firmware did that took other values.
+fn save_unchecked(nor: &mut Nor, name: &[u8; 16], value: f32) {
+    let range = 0..(SECTORS * SECTOR) as u32;
+    let config = MapConfig::try_new(range).expect("three whole sectors");
+    let mut journal = MapStorage::<[u8; 16], _, _>::new(nor, config, Cache::new_uncached());
+    block_on(journal.store_item(&mut [0; 64], name, &value)).expect("there is room");
+}
+
 #[test]
 fn a_stored_value_that_is_refused_leaves_the_default() {
     let mut nor = Nor::blank();
-    let rate = index("IMU_GYRO_RATEMAX");
     for bad in [f32::NAN, 1e9, -1.0] {
-        block_on(store(&mut nor).save(rate, bad)).unwrap();
+        save_unchecked(&mut nor, b"IMU_GYRO_RATEMAX", bad);
         let (parameters, loaded) = load(&mut nor);
         assert_eq!(parameters, Parameters::default());
         assert_eq!((loaded.set, loaded.refused), (0, 1));
     }
+}
+
+#[test]
+fn what_would_be_refused_at_each_start_is_not_stored() {
+    let mut nor = Nor::blank();
+    let rate = index("IMU_GYRO_RATEMAX");
+    block_on(store(&mut nor).save(rate, 4000.0)).unwrap();
+    for bad in [f32::NAN, 1e9, -1.0] {
+        let refused = block_on(store(&mut nor).save(rate, bad));
+        assert_eq!(refused, Err(StoreError::Refused));
+    }
+    assert_eq!(load(&mut nor).0.board.imu_rate(), 4000);
     assert_eq!(
         block_on(store(&mut nor).save(Parameters::COUNT, 0.0)),
         Err(StoreError::Unknown)

@@ -1,8 +1,9 @@
 //! What goes wrong: motors go off or follow the rule, and the next start names the cause.
 
 use windhover_hil::flight::Flight;
+use windhover_hil::time::SECOND;
 
-use crate::{fly, off_since, plan};
+use crate::{fly, fly_after, off_since, plan};
 
 /// When it goes wrong, s since power-on: well in the air.
 const AT: f64 = 7.0;
@@ -45,6 +46,40 @@ fn a_panic_stops_the_motors_and_is_named() {
 fn a_stack_overflow_faults_and_is_named() {
     let after = ends_in_a_restart("stack-overflows", "stack overflow");
     assert!(after < 0.02, "{after} s");
+}
+
+/// However long it takes to say why, the motors are off before, and their timers too.
+#[test]
+fn a_panic_that_takes_its_time_to_be_named_stops_the_motors_first() {
+    let mut plan = plan(7.0);
+    plan.troubles = vec![format!("panics@{AT}").parse().expect("a trouble")];
+    let (flight, figures) = fly_after(&plan, |flight| {
+        let stall = flight.machine.stall("core::fmt::write", SECOND / 10);
+        stall.expect("the panic's text is formatted");
+    });
+    assert!(figures.outcome.height > 3.0, "it was to fly first");
+    assert!(figures.reset_cause.contains("panic at src/shared.rs"));
+    let after = off_since(&flight).expect("the motors are off") - AT;
+    assert!(after < 0.02, "{after} s");
+}
+
+/// Naming it uses the log that was interrupted half-way, at a time when no watchdog runs yet.
+#[test]
+fn a_stack_overflow_in_the_middle_of_a_message_is_named() {
+    let (flight, figures) = fly_after(&plan(3.0), |flight| {
+        let inside = "defmt::export::str";
+        let nearly_full = 0x1000_0010;
+        let set = flight.machine.set_sp(inside, nearly_full);
+        set.expect("the firmware names its board");
+    });
+    assert_eq!(figures.resets, 1);
+    assert!(
+        figures.reset_cause.starts_with("stack overflow"),
+        "{}",
+        figures.reset_cause
+    );
+    assert!(said(&flight, "started by: stack overflow"));
+    assert!(figures.replays(), "{:?}", figures.replay);
 }
 
 #[test]

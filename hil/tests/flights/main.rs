@@ -57,8 +57,14 @@ fn plan(seconds: f64) -> Plan {
 
 /// Flies a plan to its end, and prints its figures.
 fn fly(plan: &Plan) -> (Flight, Figures) {
+    fly_after(plan, |_| {})
+}
+
+/// As [`fly`], after something else was done to the board.
+fn fly_after(plan: &Plan, before: impl FnOnce(&mut Flight)) -> (Flight, Figures) {
     let mut flight = Flight::new(firmware(), plan).expect("the firmware runs");
     let begin = std::time::Instant::now();
+    before(&mut flight);
     let outcome = flight.fly(|_| {});
     let outcome = outcome.unwrap_or_else(|stop| panic!("the firmware did what it must not: {stop}"));
     let log = flight.flight_log();

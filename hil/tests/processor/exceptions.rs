@@ -149,3 +149,12 @@ fn atomics_lose_nothing_to_handlers() {
 fn flash_holds_what_the_flash_controller_makes_of_a_store() {
     assert_eq!(reports(Scenario::FlashProgram, 1), [0xFFFF_FFFF, 0xF0F0_1200]);
 }
+
+/// The engine once took the condition of such an access along into the code behind the branch.
+#[test]
+fn accesses_in_conditional_blocks_leave_no_condition_behind() {
+    let [ram, registers, flash] = reports(Scenario::Conditional, 1)[..] else {
+        panic!()
+    };
+    assert_eq!((ram, registers, flash), (0, 0, 0), "went wrong");
+}

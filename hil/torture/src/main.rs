@@ -2,6 +2,7 @@
 #![no_std]
 #![no_main]
 
+mod conditional;
 mod faults;
 mod handlers;
 mod kernel;
@@ -46,6 +47,7 @@ fn run(scenario: Scenario) {
         S::Level => threads::level(),
         S::Nmi => threads::nmi(),
         S::SkippedFloat => threads::skipped_float(),
+        S::Conditional => threads::conditional(),
         S::VectorTable => threads::vector_table(),
         S::Exclusive => threads::exclusive(),
         S::Reset => threads::reset(),

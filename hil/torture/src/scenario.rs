@@ -64,6 +64,9 @@ scenarios! {
     CycleCounter,
     /// A vector table in RAM: which handler ran.
     VectorTable,
+    /// Accesses in IT blocks to memory that nobody touched, and branches to code that never ran:
+    /// those that went wrong with RAM, with registers, with flash.
+    Conditional,
     /// LDREX and STREX against handlers that do the same: sum in the end, expected sum.
     Exclusive,
     /// Pushes until the stack overflows into nothing.

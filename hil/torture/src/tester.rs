@@ -5,9 +5,11 @@ pub const LINES: usize = 8;
 
 const BASE: usize = 0x4000_0000;
 const SCENARIO: usize = BASE;
-const NOISE: usize = BASE + 0x04;
+/// A random number is read here.
+pub const NOISE: usize = BASE + 0x04;
 const ACKNOWLEDGE: usize = BASE + 0x08;
-const STORM: usize = BASE + 0x0C;
+/// A storm of interrupts is begun here, or ended by 0.
+pub const STORM: usize = BASE + 0x0C;
 const REPORT: usize = BASE + 0x10;
 const RAISE: usize = BASE + 0x14;
 const FINISH: usize = BASE + 0x18;

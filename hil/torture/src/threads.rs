@@ -1,5 +1,6 @@
 //! Threads and handlers against each other: masks, priorities, pending, and what must be kept.
 
+use crate::conditional::{self, Kind};
 use crate::handlers::{self, COUNTS, Duty, LOG, LOGGED, duty, prioritise, total};
 use crate::kernel;
 use crate::tester::{self, LINES};
@@ -350,4 +351,27 @@ pub fn known(stormy: bool) {
     }
     tester::storm(0);
     tester::report(total());
+}
+
+pub fn conditional() {
+    /// Above the stack, which is all that the program has there; a page of its own for each access.
+    const RAM: usize = 0x1000_4000;
+    const PAGE: usize = 1024;
+    const COPIES: usize = conditional::COPIES - 2;
+    let wrong = |kind, copy, address| u32::from(conditional::run(kind, copy, address) != conditional::WHOLE);
+    let ram = |copy| {
+        let pages = RAM + PAGE * Kind::ALL.len() * copy;
+        let each = Kind::ALL.iter().enumerate();
+        each.map(|(page, kind)| wrong(*kind, copy, pages + PAGE * page))
+            .sum::<u32>()
+    };
+    tester::report((0..COPIES).map(ram).sum());
+    let registers = [
+        wrong(Kind::Load, COPIES, tester::NOISE),
+        wrong(Kind::LoadBetween, COPIES, tester::NOISE),
+        wrong(Kind::StoreElse, COPIES, tester::STORM),
+    ];
+    tester::report(registers.iter().sum());
+    tester::unlock_flash();
+    tester::report(wrong(Kind::StoreElse, COPIES + 1, 0x080F_F000));
 }
