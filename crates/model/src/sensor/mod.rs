@@ -8,8 +8,10 @@
 //!
 //! - [`icm42688p`]: the inertial measurement unit's registers, byte by byte; it knows nothing of
 //!   the vehicle. [`inertial`]: what it measures.
+//! - [`gnss`]: position and velocity over ground, late.
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
 
+pub mod gnss;
 pub mod icm42688p;
 pub mod inertial;
 pub mod mounting;
@@ -19,6 +21,7 @@ pub mod noise;
 mod stream {
     pub const ACCEL: u64 = 0x100;
     pub const GYRO: u64 = 0x101;
+    pub const GNSS: u64 = 0x104;
 }
 
 /// The integer nearest to `value`, half to even, held at the ends of a range; 0 for NaN.

@@ -1,5 +1,6 @@
 //! Sensors measured: each declared figure against what comes out, from fixed seeds.
 
+mod gnss;
 mod inertial;
 
 use windhover_math::{Quaternion, Vector3};
