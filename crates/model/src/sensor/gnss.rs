@@ -1,7 +1,7 @@
 //! What a u-blox receiver reports: the fields of UBX-NAV-PVT, late.
 //!
 //! Field names, units and integer sizes are those of the M10 interface description
-//! (UBX-20053845, section UBX-NAV-PVT). A message describes the moment at which it was measured,
+//! (message UBX-NAV-PVT). A message describes the moment at which it was measured,
 //! and comes out the latency later; several may be under way. Horizontal and vertical position
 //! carry a slow error (first-order Gauss–Markov) and a white one, velocity a white one.
 
@@ -151,11 +151,11 @@ pub struct GnssSite {
 }
 
 impl Default for GnssSite {
-    /// Irchel park in Zürich, as in the mission of the reference; geoid 47.3 m (EGM96, to 0.1 m).
+    /// The home of `missions/monitoring.plan`; geoid of 47.3 m, as around Zürich.
     fn default() -> Self {
         Self {
             home: GlobalPosition {
-                latitude: 473_977_418,
+                latitude: 473_977_419,
                 longitude: 85_455_938,
                 altitude: 488_000,
             },

@@ -19,10 +19,10 @@ use crate::imu::{ACCEL_SCALE, GYRO_SCALE};
 use crate::random::Random;
 use crate::truth::Truth;
 
-/// Thermometer counts per kelvin (DS-000347, table 3).
+/// Thermometer counts per kelvin (DS-000347: TEMP_DATA).
 pub const TEMPERATURE_SCALE: f64 = 132.48;
 
-/// Temperature in °C at which the thermometer reads 0 (DS-000347, section 4.13), and at which
+/// Temperature in °C at which the thermometer reads 0 (DS-000347: TEMP_DATA), and at which
 /// the part was calibrated.
 pub const TEMPERATURE_ZERO: f64 = 25.0;
 

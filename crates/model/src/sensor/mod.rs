@@ -8,19 +8,23 @@
 //!
 //! - [`icm42688p`]: the inertial measurement unit's registers, byte by byte; it knows nothing of
 //!   the vehicle. [`inertial`]: what it measures.
+//! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
 //! - [`gnss`]: position and velocity over ground, late.
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
 
+pub mod barometer;
 pub mod gnss;
 pub mod icm42688p;
 pub mod inertial;
 pub mod mounting;
 pub mod noise;
+pub mod spl06;
 
 /// Streams of random numbers, one a sensor. 0 is the wind's.
 mod stream {
     pub const ACCEL: u64 = 0x100;
     pub const GYRO: u64 = 0x101;
+    pub const BAROMETER: u64 = 0x102;
     pub const GNSS: u64 = 0x104;
 }
 

@@ -1,5 +1,6 @@
 //! Sensors measured: each declared figure against what comes out, from fixed seeds.
 
+mod barometer;
 mod gnss;
 mod inertial;
 
