@@ -9,10 +9,12 @@
 //! - [`icm42688p`]: the inertial measurement unit's registers, byte by byte; it knows nothing of
 //!   the vehicle. [`inertial`]: what it measures.
 //! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
+//! - [`compass`]: the magnetic field.
 //! - [`gnss`]: position and velocity over ground, late.
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
 
 pub mod barometer;
+pub mod compass;
 pub mod gnss;
 pub mod icm42688p;
 pub mod inertial;
@@ -25,6 +27,7 @@ mod stream {
     pub const ACCEL: u64 = 0x100;
     pub const GYRO: u64 = 0x101;
     pub const BAROMETER: u64 = 0x102;
+    pub const COMPASS: u64 = 0x103;
     pub const GNSS: u64 = 0x104;
 }
 

@@ -1,6 +1,7 @@
 //! Sensors measured: each declared figure against what comes out, from fixed seeds.
 
 mod barometer;
+mod compass;
 mod gnss;
 mod inertial;
 
