@@ -38,6 +38,15 @@ impl CompassPart {
         }
     }
 
+    /// How the part's z looks when its x and y are front and right: 1 is down. The IST8310's axes
+    /// are left-handed (as its drivers in PX4 say), so that its z points up then.
+    pub const fn z_sign(self) -> f64 {
+        match self {
+            Self::Ist8310 | Self::Ist8310Fine => -1.0,
+            Self::Qmc5883l2G | Self::Qmc5883l8G => 1.0,
+        }
+    }
+
     /// The largest field of each axis in µT (data sheets: field range). The QMC5883L's at ±2 G
     /// and ±8 G are 200 and 800 µT of at most 32767 counts.
     pub const fn range(self) -> [f64; 3] {
@@ -78,7 +87,7 @@ pub struct CompassErrors {
     pub voltage: f64,
     /// White noise in µT: standard deviation per axis.
     pub noise: f64,
-    /// How the part sits.
+    /// How the part sits, as if its axes were right-handed.
     pub mounting: Mounting,
 }
 
@@ -163,7 +172,8 @@ impl Compass {
         let earth = truth.attitude.inverse_rotate(self.field);
         let body = self.soft * earth + self.hard + self.per_watt * truth.power;
         let noise = gaussian3(&mut self.random, self.noise);
-        let seen = self.mounting.to_part(body) + noise;
+        let mut seen = self.mounting.to_part(body) + noise;
+        seen.z *= self.part.z_sign();
         let range = self.part.range();
         core::array::from_fn(|axis| {
             let limit = Ord::min((range[axis] * self.part.scale()) as i32, i16::MAX.into());

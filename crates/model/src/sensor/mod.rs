@@ -11,15 +11,18 @@
 //! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
 //! - [`compass`]: the magnetic field.
 //! - [`gnss`]: position and velocity over ground, late.
+//! - [`battery`]: voltage under load and current; [`rc`]: the pilot's sticks.
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
 
 pub mod barometer;
+pub mod battery;
 pub mod compass;
 pub mod gnss;
 pub mod icm42688p;
 pub mod inertial;
 pub mod mounting;
 pub mod noise;
+pub mod rc;
 pub mod spl06;
 
 /// Streams of random numbers, one a sensor. 0 is the wind's.
@@ -29,6 +32,8 @@ mod stream {
     pub const BAROMETER: u64 = 0x102;
     pub const COMPASS: u64 = 0x103;
     pub const GNSS: u64 = 0x104;
+    pub const BATTERY: u64 = 0x105;
+    pub const RC: u64 = 0x106;
 }
 
 /// The integer nearest to `value`, half to even, held at the ends of a range; 0 for NaN.

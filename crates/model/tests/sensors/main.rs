@@ -1,9 +1,11 @@
 //! Sensors measured: each declared figure against what comes out, from fixed seeds.
 
 mod barometer;
+mod battery;
 mod compass;
 mod gnss;
 mod inertial;
+mod rc;
 
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{GRAVITY, Truth};
