@@ -113,6 +113,16 @@ impl Barometer {
         &self.formula
     }
 
+    /// Counts of pressure for a metre of height more, at the origin.
+    pub fn counts_per_metre(&self) -> f64 {
+        let (temperature, pressure, density) = atmosphere(self.home);
+        let temperature = self
+            .formula
+            .raw_temperature(temperature - ICE + self.errors.warmth);
+        let raw = self.formula.raw_pressure(pressure, temperature);
+        -density * GRAVITY / self.formula.pascal_per_count(raw, temperature)
+    }
+
     /// Measures: once a period.
     pub fn measure(&mut self, truth: &Truth) -> BarometerCounts {
         let noise = self.random.gaussian() * self.errors.noise;

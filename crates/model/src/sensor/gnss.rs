@@ -1,7 +1,6 @@
 //! What a u-blox receiver reports: the fields of UBX-NAV-PVT, late.
 //!
-//! Field names, units and integer sizes are those of the M10 interface description
-//! (message UBX-NAV-PVT). A message describes the moment at which it was measured,
+//! A message describes the moment at which it was measured,
 //! and comes out the latency later; several may be under way. Horizontal and vertical position
 //! carry a slow error (first-order Gauss–Markov) and a white one, velocity a white one.
 
@@ -10,63 +9,16 @@ use std::collections::VecDeque;
 use windhover_math::Vector3;
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 
+use super::injection::Unit;
+use super::nav_pvt::{CARRIER_FIXED, DIFFERENTIAL, FIX_3D, GNSS_FIX_OK, NavPvt};
 use super::noise::{GaussMarkov, gaussian3};
 use super::{count, stream};
 use crate::length::Length;
 use crate::random::Random;
 use crate::truth::Truth;
 
-/// In `flags`: the fix is within the receiver's limits.
-pub const GNSS_FIX_OK: u8 = 1 << 0;
-
-/// In `flags`: differential corrections are used.
-pub const DIFFERENTIAL: u8 = 1 << 1;
-
-/// In `flags`: the carrier-phase ambiguities are fixed.
-pub const CARRIER_FIXED: u8 = 2 << 6;
-
-/// `fix_type` of a fix in three dimensions.
-pub const FIX_3D: u8 = 3;
-
 /// Milliseconds of a GPS week.
 const WEEK_MS: u64 = 604_800_000;
-
-/// Fields of UBX-NAV-PVT, as integers of its units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NavPvt {
-    /// iTOW: GPS time of week of the moment described, in ms.
-    pub time_of_week: u32,
-    /// lat, in 1e-7 degrees.
-    pub latitude: i32,
-    /// lon, in 1e-7 degrees.
-    pub longitude: i32,
-    /// height above the ellipsoid, in mm.
-    pub height: i32,
-    /// hMSL: height above mean sea level, in mm.
-    pub height_msl: i32,
-    /// hAcc: what the receiver says is its horizontal error (the two axes together), in mm.
-    pub horizontal_accuracy: u32,
-    /// vAcc: what it says is its vertical error, in mm.
-    pub vertical_accuracy: u32,
-    /// velN, velE, velD, in mm/s.
-    pub velocity: [i32; 3],
-    /// gSpeed: speed over ground, in mm/s.
-    pub ground_speed: i32,
-    /// headMot: heading of the motion, 0 to 360°, in 1e-5 degrees.
-    pub heading_of_motion: i32,
-    /// sAcc: what it says is the error of its speed (the three axes together), in mm/s.
-    pub speed_accuracy: u32,
-    /// headAcc: what it says is the error of the heading of motion, in 1e-5 degrees.
-    pub heading_accuracy: u32,
-    /// pDOP, in hundredths.
-    pub position_dop: u16,
-    /// fixType: 3 is a fix in three dimensions.
-    pub fix_type: u8,
-    /// flags: [`GNSS_FIX_OK`], [`DIFFERENTIAL`], [`CARRIER_FIXED`].
-    pub flags: u8,
-    /// numSV: satellites used.
-    pub satellites: u8,
-}
 
 /// Errors of the receiver: standard deviations per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,6 +175,21 @@ impl Gnss {
     /// Messages lost because nobody received them.
     pub fn lost(&self) -> u64 {
         self.lost
+    }
+
+    /// What a metre is in latitude, longitude and height, and that velocities have no part in it.
+    pub fn units(&self) -> Vec<Unit> {
+        let far = self.frame.to_global(Vector3::new(1e3, 1e3, 0.0));
+        let per_metre = |to: i32, from: i32| f64::from(to.wrapping_sub(from)) * 1e-3;
+        let home = &self.site.home;
+        let north = per_metre(far.latitude, home.latitude);
+        let east = per_metre(far.longitude, home.longitude);
+        let still = Unit::of(0.0);
+        [north, east, 1e3]
+            .map(Unit::from_first)
+            .into_iter()
+            .chain([still; 3])
+            .collect()
     }
 
     fn message(&mut self, truth: &Truth, time: u64) -> NavPvt {

@@ -10,20 +10,27 @@
 //!   the vehicle. [`inertial`]: what it measures.
 //! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
 //! - [`compass`]: the magnetic field.
-//! - [`gnss`]: position and velocity over ground, late.
+//! - [`gnss`]: position and velocity over ground, late, as messages [`nav_pvt`].
 //! - [`battery`]: voltage under load and current; [`rc`]: the pilot's sticks.
+//! - [`fault`]: faults by name; [`injection`]: how they act.
+//! - [`suite`]: all sensors of a vehicle together, each at its [`rate`].
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
 
 pub mod barometer;
 pub mod battery;
 pub mod compass;
+pub mod fault;
 pub mod gnss;
 pub mod icm42688p;
 pub mod inertial;
+pub mod injection;
 pub mod mounting;
+pub mod nav_pvt;
 pub mod noise;
+pub mod rate;
 pub mod rc;
 pub mod spl06;
+pub mod suite;
 
 /// Streams of random numbers, one a sensor. 0 is the wind's.
 mod stream {
@@ -34,6 +41,8 @@ mod stream {
     pub const GNSS: u64 = 0x104;
     pub const BATTERY: u64 = 0x105;
     pub const RC: u64 = 0x106;
+    /// The first of the faults', which have one each.
+    pub const FAULT: u64 = 0x1000;
 }
 
 /// The integer nearest to `value`, half to even, held at the ends of a range; 0 for NaN.

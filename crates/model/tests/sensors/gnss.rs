@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use windhover_math::Vector3;
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_model::Truth;
-use windhover_model::sensor::gnss::{Gnss, GnssErrors, GnssSite, NavPvt};
+use windhover_model::sensor::gnss::{Gnss, GnssErrors, GnssSite};
+use windhover_model::sensor::nav_pvt::NavPvt;
 
 use crate::{assert_deviation, at_rest};
 

@@ -3,9 +3,11 @@
 mod barometer;
 mod battery;
 mod compass;
+mod fault;
 mod gnss;
 mod inertial;
 mod rc;
+mod suite;
 
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{GRAVITY, Truth};
