@@ -6,6 +6,7 @@ mod compass;
 mod fault;
 mod gnss;
 mod inertial;
+mod injection;
 mod rc;
 mod suite;
 
