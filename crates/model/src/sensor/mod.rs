@@ -54,3 +54,17 @@ pub(crate) fn count(value: f64, low: i32, high: i32) -> i32 {
 pub(crate) fn count_i16(value: f64) -> i16 {
     count(value, i16::MIN.into(), i16::MAX.into()) as i16
 }
+
+#[cfg(test)]
+mod tests {
+    use super::stream::{ACCEL, BAROMETER, BATTERY, COMPASS, FAULT, GNSS, GYRO, RC};
+
+    #[test]
+    fn every_sensor_has_its_own_stream() {
+        let mut streams = [ACCEL, GYRO, BAROMETER, COMPASS, GNSS, BATTERY, RC];
+        streams.sort_unstable();
+        assert!(streams[0] > 0, "0 is the wind's");
+        assert!(streams.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(streams[6] < FAULT);
+    }
+}

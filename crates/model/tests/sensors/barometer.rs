@@ -121,15 +121,15 @@ fn drift_grows_as_the_root_of_time() {
         ..BarometerErrors::ideal()
     };
     let (mut quarter, mut hour) = (vec![], vec![]);
-    for seed in 0..800 {
-        // A result a second.
-        let mut part = Barometer::new(&errors, Formula::default(), HOME, 1_000_000, seed);
-        for second in 0..=3600 {
+    for seed in 0..4000 {
+        // A result every ten seconds.
+        let mut part = Barometer::new(&errors, Formula::default(), HOME, 10_000_000, seed);
+        for n in 0..=360 {
             let found = part.measure(&at_rest());
-            if second == 900 {
+            if n == 90 {
                 quarter.push(height(found));
             }
-            if second == 3600 {
+            if n == 360 {
                 hour.push(height(found));
             }
         }

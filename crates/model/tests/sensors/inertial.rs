@@ -3,7 +3,6 @@
 use proptest::prelude::*;
 use windhover_math::Vector3;
 use windhover_model::imu::{ACCEL_SCALE, GYRO_SCALE};
-use windhover_model::sensor::icm42688p::Measurement;
 use windhover_model::sensor::inertial::{Inertial, InertialErrors, TEMPERATURE_SCALE, TriadErrors};
 use windhover_model::sensor::mounting::Mounting;
 use windhover_model::{GRAVITY, Truth, ideal_counts};
@@ -94,22 +93,24 @@ fn noise_has_the_density_of_the_data_sheet() {
     }
 }
 
-/// What parts of many seeds read, the gyroscope in rad/s and the accelerometer in m/s²: the first
-/// axis of each, after so many samples a second apart, with forces and rates so large that
-/// rounding does not show.
-fn parts(errors: &InertialErrors, samples: usize, seeds: u64, truth: &Truth) -> (Vec<f64>, Vec<f64>) {
-    let mut accel = vec![];
-    let mut gyro = vec![];
-    for seed in 0..seeds {
-        let mut part = Inertial::new(errors, 1.0, seed);
-        let mut measured = Measurement::default();
-        for _ in 0..samples {
-            measured = part.sample(truth);
-        }
-        accel.push(f64::from(measured.accel[0]) / ACCEL_SCALE);
-        gyro.push(f64::from(measured.gyro[0]) / GYRO_SCALE);
-    }
-    (accel, gyro)
+/// What parts of many seeds read after so many samples at `rate` Hz: the first axis of the
+/// accelerometer in m/s² and of the gyroscope in rad/s.
+fn parts(
+    errors: &InertialErrors,
+    rate: f64,
+    samples: usize,
+    seeds: u64,
+    truth: &Truth,
+) -> (Vec<f64>, Vec<f64>) {
+    let read = |seed| {
+        let mut part = Inertial::new(errors, rate, seed);
+        let last = (0..samples).map(|_| part.sample(truth)).last().unwrap();
+        (
+            f64::from(last.accel[0]) / ACCEL_SCALE,
+            f64::from(last.gyro[0]) / GYRO_SCALE,
+        )
+    };
+    (0..seeds).map(read).unzip()
 }
 
 #[test]
@@ -118,8 +119,12 @@ fn biases_have_their_deviation() {
         errors.accel.bias = reference.accel.bias;
         errors.gyro.bias = reference.gyro.bias;
     });
-    let (accel, gyro) = parts(&errors, 1, 4000, &at_rest());
+    let (accel, gyro) = parts(&errors, 1.0, 1, 4000, &at_rest());
     assert_deviation(&accel, 5e-3 * GRAVITY);
+    // Drawn apart: 4000 independent pairs have a correlation within four times 1/√4000 of 0.
+    let products = accel.iter().zip(&gyro).map(|(accel, gyro)| accel * gyro);
+    let correlation = products.sum::<f64>() / 4000.0 / (5e-3 * GRAVITY * 0.1 * DEGREE);
+    assert!(correlation.abs() < 0.063, "{correlation}");
     // A count is 0.06 °/s: its rounding adds a twelfth of its square.
     let rounding = 1.0 / GYRO_SCALE / GYRO_SCALE / 12.0;
     let bias = 0.1 * DEGREE;
@@ -132,9 +137,10 @@ fn biases_walk_as_the_root_of_time() {
         errors.accel.walk = reference.accel.walk;
         errors.gyro.walk = reference.gyro.walk;
     });
-    for seconds in [2500, 10_000] {
-        let (accel, gyro) = parts(&errors, seconds + 1, 600, &at_rest());
-        let walked = (seconds as f64).sqrt();
+    for (rate, seconds) in [(1.0, 2500.0), (1.0, 10_000.0), (4.0, 2500.0)] {
+        let samples = (rate * seconds) as usize + 1;
+        let (accel, gyro) = parts(&errors, rate, samples, 600, &at_rest());
+        let walked = f64::sqrt(seconds);
         let with_rounding =
             |deviation: f64, scale: f64| (deviation * deviation + 1.0 / scale / scale / 12.0).sqrt();
         assert_deviation(&accel, with_rounding(2e-4 * walked, ACCEL_SCALE));
@@ -145,10 +151,10 @@ fn biases_walk_as_the_root_of_time() {
 #[test]
 fn scale_and_misalignment_have_their_deviation() {
     let errors = only(|errors, reference| errors.accel.scale = reference.accel.scale);
-    let (accel, _) = parts(&errors, 1, 4000, &moving([100.0, 0.0, 0.0], [0.0; 3]));
+    let (accel, _) = parts(&errors, 1.0, 1, 4000, &moving([100.0, 0.0, 0.0], [0.0; 3]));
     assert_deviation(&accel, 3e-3 * 100.0);
     let errors = only(|errors, reference| errors.accel.misalignment = reference.accel.misalignment);
-    let (accel, _) = parts(&errors, 1, 4000, &moving([0.0, 0.0, 100.0], [0.0; 3]));
+    let (accel, _) = parts(&errors, 1.0, 1, 4000, &moving([0.0, 0.0, 100.0], [0.0; 3]));
     assert_deviation(&accel, 0.3 * DEGREE * 100.0);
 }
 
@@ -158,9 +164,9 @@ fn the_bias_follows_the_temperature() {
         errors.accel.per_kelvin = reference.accel.per_kelvin;
         errors.warming = reference.warming;
     });
-    let (cold, _) = parts(&errors, 1, 10, &at_rest());
+    let (cold, _) = parts(&errors, 1.0, 1, 10, &at_rest());
     assert!(cold.iter().all(|force| force.abs() < 0.5 / ACCEL_SCALE));
-    let (warm, _) = parts(&errors, 3000, 4000, &at_rest());
+    let (warm, _) = parts(&errors, 1.0, 3000, 4000, &at_rest());
     let rounding = 1.0 / ACCEL_SCALE / ACCEL_SCALE / 12.0;
     let wanted = 0.15e-3 * GRAVITY * 10.0;
     assert_deviation(&warm, (wanted * wanted + rounding).sqrt());

@@ -197,6 +197,20 @@ fn noise_has_its_magnitude() {
 }
 
 #[test]
+fn two_noises_are_apart() {
+    let noisy = exact(&[fault("gyro-noise@0"), fault("accel-noise@0")]);
+    let still = exact(&[]);
+    let products = noisy.iter().zip(&still).map(|(noisy, still)| {
+        let (noisy, still) = (noisy.imu.unwrap(), still.imu.unwrap());
+        let gyro = f64::from(noisy.gyro[0] - still.gyro[0]) / (0.1 * GYRO_SCALE);
+        gyro * f64::from(noisy.accel[0] - still.accel[0]) / (2.0 * ACCEL_SCALE)
+    });
+    // The correlation of 4000 independent pairs is within four times 1/√4000 of 0.
+    let correlation = products.sum::<f64>() / noisy.len() as f64;
+    assert!(correlation.abs() < 0.063, "{correlation}");
+}
+
+#[test]
 fn a_wrong_scale_is_a_factor() {
     let healthy = exact(&[]);
     let faulty = exact(&[
