@@ -1,0 +1,68 @@
+//! Velocity by a satellite receiver (Doppler): three direct scalars, judged together.
+//!
+//! z = v(t), H = [0, I, 0, 0, 0]: how attitude and bias errors act over the lag is left out, see
+//! [`crate::history`].
+
+use windhover_math::Vector3;
+
+use crate::border::{LARGEST_VELOCITY, Refusal, deviation, vector};
+use crate::covariance::{Axis, Group, Reference};
+use crate::filter::Filter;
+use crate::gate::Report;
+use crate::health::Sensor;
+use crate::history::Past;
+
+/// A receiver's velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GnssVelocity {
+    /// When it was measured, µs.
+    pub time: u64,
+    /// NED, m/s.
+    pub velocity: Vector3,
+    /// Standard deviation of each of the three, m/s.
+    pub deviation: f32,
+}
+
+impl Filter {
+    /// Takes it in.
+    #[inline]
+    pub fn fuse_gnss_velocity(&mut self, measured: &GnssVelocity) -> Result<Report<3>, Refusal> {
+        let past = self.gnss_velocity_border(measured);
+        let past = self.counted(Sensor::GnssVelocity, past)?;
+        let noise = measured.deviation * measured.deviation;
+        let wrong = measured.velocity - past.velocity(&self.state);
+        let tests = [
+            self.test_direct(Reference::Velocity, Axis::X, wrong.x, noise),
+            self.test_direct(Reference::Velocity, Axis::Y, wrong.y, noise),
+            self.test_direct(Reference::Velocity, Axis::Z, wrong.z, noise),
+        ];
+        Ok(self.decide(
+            Sensor::GnssVelocity,
+            tests,
+            |filter| filter.fuse_velocity(measured.velocity, &past, noise),
+            |filter| {
+                filter.state.velocity += wrong;
+                for axis in Axis::ALL {
+                    filter.covariance.decouple(Group::Velocity, axis, noise);
+                }
+            },
+        ))
+    }
+
+    fn gnss_velocity_border(&mut self, measured: &GnssVelocity) -> Result<Past, Refusal> {
+        vector(measured.velocity, LARGEST_VELOCITY)?;
+        deviation(measured.deviation)?;
+        self.past(measured.time)
+    }
+
+    /// The three components, one after the other, each against what the one before has left.
+    #[inline]
+    pub(crate) fn fuse_velocity(&mut self, measured: Vector3, past: &Past, noise: f32) {
+        let wrong = measured.x - past.velocity(&self.state).x;
+        self.fuse_direct(Reference::Velocity, Axis::X, wrong, noise);
+        let wrong = measured.y - past.velocity(&self.state).y;
+        self.fuse_direct(Reference::Velocity, Axis::Y, wrong, noise);
+        let wrong = measured.z - past.velocity(&self.state).z;
+        self.fuse_direct(Reference::Velocity, Axis::Z, wrong, noise);
+    }
+}

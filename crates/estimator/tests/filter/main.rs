@@ -1,0 +1,8 @@
+//! The error-state Kalman filter against references in double precision.
+#![allow(clippy::needless_range_loop)]
+
+mod dense;
+mod jacobian;
+mod oracle;
+mod propagation;
+mod random;
