@@ -39,7 +39,7 @@ pub struct Filter {
     pub(crate) covariance: Covariance,
     pub(crate) datum: Option<Datum>,
     history: History,
-    densities: Added,
+    pub(crate) densities: Added,
     monitors: [Monitor; SENSORS],
     time: u64,
     /// Which state is held within its bounds next.

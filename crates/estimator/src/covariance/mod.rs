@@ -16,7 +16,7 @@ mod update;
 
 pub use bound::Limits;
 pub(crate) use predict::{Added, Transition};
-pub(crate) use update::{Column, Reference};
+pub(crate) use update::{Column, LateVelocity, Reference};
 
 use block::{Block, ZERO};
 

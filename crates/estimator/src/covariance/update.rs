@@ -35,6 +35,17 @@ pub(crate) enum Reference {
     GyroBias,
 }
 
+/// How a past velocity differs from the present one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LateVelocity {
+    /// Coefficients of the attitude error.
+    pub(crate) attitude: Row,
+    /// Coefficients of the error of the accelerometer bias.
+    pub(crate) bias: Row,
+    /// Process noise since then, m²/s².
+    pub(crate) since: f32,
+}
+
 impl Column {
     #[inline(always)]
     fn scaled(&self, s: f32) -> Self {
@@ -273,6 +284,28 @@ impl Covariance {
     pub(crate) fn fuse_force(&mut self, state: &mut State, h: Row, hb: Row, innovation: f32, noise: f32) {
         let c = self.force_column(h, hb);
         if let Some(gain) = inverse(dot(h, c.a) + dot(hb, c.b) + noise) {
+            self.apply(state, &c, gain, innovation);
+        }
+    }
+
+    /// Takes in a velocity that is no longer the present one: velocity of the axis + h · attitude
+    /// error + hb · error of the accelerometer bias, less the process noise of variance `since`.
+    #[inline(always)]
+    pub(crate) fn fuse_late_velocity(
+        &mut self,
+        state: &mut State,
+        axis: Axis,
+        late: &LateVelocity,
+        innovation: f32,
+        noise: f32,
+    ) {
+        let (h, hb) = (late.attitude, late.bias);
+        let k = axis as usize;
+        let mut c = self.force_column(h, hb);
+        c.add(1.0, &self.velocity_column(axis));
+        c.v[k] -= late.since;
+        let variance = c.v[k] + dot(h, c.a) + dot(hb, c.b) + noise;
+        if let Some(gain) = inverse(variance) {
             self.apply(state, &c, gain, innovation);
         }
     }

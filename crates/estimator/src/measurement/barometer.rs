@@ -9,7 +9,7 @@
 //! A barometer that is rejected time and again is at fault if another sensor still vouches for the
 //! height: then the datum moves and the height stays. Otherwise the height is set to it.
 
-use crate::border::{LARGEST_POSITION, Refusal, deviation, number};
+use crate::border::{DEVIATIONS, LARGEST_POSITION, Refusal, deviation, number};
 use crate::covariance::{Axis, Group, Reference};
 use crate::filter::Filter;
 use crate::gate::Report;
@@ -46,7 +46,7 @@ impl Filter {
         let reference = Reference::Position { lag: past.lag };
         let datum = match self.datum {
             Some(datum) => datum,
-            None => self.take_datum(measured.height + down),
+            None => self.take_datum(measured.height + down, measured.deviation),
         };
         let noise = measured.deviation * measured.deviation;
         let wrong = datum.height - measured.height - down;
@@ -57,13 +57,26 @@ impl Filter {
             |filter| filter.fuse_direct(reference, Axis::Z, wrong, noise),
             |filter| {
                 if filter.has_other_height() {
-                    filter.take_datum(measured.height + down);
+                    filter.take_datum(measured.height + down, measured.deviation);
                 } else {
                     filter.state.position.z += wrong;
                     filter.forget_position(Axis::Z, noise, past.lag);
                 }
             },
         ))
+    }
+
+    /// Sets the level of barometric heights: what the barometer shows at the origin's height, m,
+    /// and the standard deviation of that. A mean over the alignment is better than the first
+    /// measurement that is taken otherwise: its noise stays for the whole flight.
+    pub fn refer_barometer(&mut self, height: f32, claimed: f32) -> Result<(), Refusal> {
+        number(height, LARGEST_POSITION)?;
+        number(claimed, *DEVIATIONS.end())?;
+        self.datum = Some(Datum {
+            height,
+            variance: claimed * claimed,
+        });
+        Ok(())
     }
 
     /// The level of barometric heights, once there was one.
@@ -84,9 +97,10 @@ impl Filter {
             .any(|sensor| matches!(self.health(sensor), Health::Good { .. }))
     }
 
-    /// Refers the barometer to the height as believed now.
-    fn take_datum(&mut self, height: f32) -> Datum {
+    /// Refers the barometer to the height as believed now, by one measurement.
+    fn take_datum(&mut self, height: f32, deviation: f32) -> Datum {
         let [_, _, variance] = self.covariance.variances(Group::Position);
+        let variance = variance + deviation * deviation;
         let datum = Datum { height, variance };
         self.datum = Some(datum);
         datum

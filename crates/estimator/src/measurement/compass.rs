@@ -28,6 +28,15 @@ pub struct MagneticField {
     pub declination: f32,
 }
 
+impl MagneticField {
+    /// Whether this can have been measured.
+    pub fn check(&self) -> Result<(), Refusal> {
+        vector(self.field, LARGEST_FIELD)?;
+        deviation(self.deviation)?;
+        number(self.declination, core::f32::consts::PI)
+    }
+}
+
 impl Filter {
     /// Takes in the heading that the field tells.
     #[inline]
@@ -39,15 +48,14 @@ impl Filter {
             bearing: measured.declination,
             noise: measured.deviation * measured.deviation,
             bearing_noise: 0.0,
+            is_bearing_exact: true,
             attitude: past.attitude(&self.state),
         };
         self.fuse_bearing(Sensor::Compass, &bearing)
     }
 
     fn compass_border(&mut self, measured: &MagneticField) -> Result<Past, Refusal> {
-        vector(measured.field, LARGEST_FIELD)?;
-        deviation(measured.deviation)?;
-        number(measured.declination, core::f32::consts::PI)?;
+        measured.check()?;
         self.past(measured.time)
     }
 }

@@ -1,7 +1,8 @@
 //! Velocity by a satellite receiver (Doppler): three direct scalars, judged together.
 //!
-//! z = v(t), H = [0, I, 0, 0, 0]: how attitude and bias errors act over the lag is left out, see
-//! [`crate::history`].
+//! z = v(t). Of the present velocity H = [0, I, 0, 0, 0]; of a past one H has the attitude's and
+//! the accelerometer bias's part in what the velocity has changed by since, see
+//! [`crate::history`]. The gate looks at the velocity's own variance in both cases.
 
 use windhover_math::Vector3;
 
@@ -59,10 +60,21 @@ impl Filter {
     #[inline]
     pub(crate) fn fuse_velocity(&mut self, measured: Vector3, past: &Past, noise: f32) {
         let wrong = measured.x - past.velocity(&self.state).x;
-        self.fuse_direct(Reference::Velocity, Axis::X, wrong, noise);
+        self.fuse_velocity_axis(Axis::X, past, wrong, noise);
         let wrong = measured.y - past.velocity(&self.state).y;
-        self.fuse_direct(Reference::Velocity, Axis::Y, wrong, noise);
+        self.fuse_velocity_axis(Axis::Y, past, wrong, noise);
         let wrong = measured.z - past.velocity(&self.state).z;
-        self.fuse_direct(Reference::Velocity, Axis::Z, wrong, noise);
+        self.fuse_velocity_axis(Axis::Z, past, wrong, noise);
+    }
+
+    #[inline(always)]
+    fn fuse_velocity_axis(&mut self, axis: Axis, past: &Past, innovation: f32, noise: f32) {
+        if past.lag > 0.0 {
+            let late = past.late_velocity(&self.state, axis, self.densities.velocity);
+            self.covariance
+                .fuse_late_velocity(&mut self.state, axis, &late, innovation, noise);
+        } else {
+            self.fuse_direct(Reference::Velocity, axis, innovation, noise);
+        }
     }
 }

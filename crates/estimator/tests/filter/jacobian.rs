@@ -206,7 +206,7 @@ fn compass() {
             noise: deviation * deviation,
         }];
         let report = filter.fuse_compass(&measured).unwrap();
-        compare(&before, &filter, &report.tests, &scalars, [1e-5, 1e-2]);
+        compare(&before, &filter, &report.tests, &scalars, [1e-5, 1e-1]);
     }
 }
 
