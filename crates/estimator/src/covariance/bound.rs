@@ -1,0 +1,102 @@
+//! What keeps variances positive and finite: decoupling of single states, floor and ceiling.
+
+use super::block::{Block, set_column};
+use super::{Axis, Covariance, Group};
+
+/// Between what bounds the variances of a group stay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Smallest variance.
+    pub floor: f32,
+    /// Largest variance: a state that reaches it is as good as unknown.
+    pub ceiling: f32,
+}
+
+impl Limits {
+    /// Bounds for a group, as standard deviations: what no sensor of this class can tell apart,
+    /// and what no flight can reach.
+    pub const fn of(group: Group) -> Self {
+        let (smallest, largest) = match group {
+            Group::Position => (1e-4, 1e5),
+            Group::Velocity => (1e-4, 1e3),
+            Group::Attitude => (1e-5, 3.0),
+            Group::GyroBias => (1e-6, 1.0),
+            Group::AccelBias => (1e-5, 10.0),
+        };
+        Self {
+            floor: smallest * smallest,
+            ceiling: largest * largest,
+        }
+    }
+}
+
+impl Covariance {
+    /// Forgets what a state has to do with the others, and gives it this variance.
+    pub(crate) fn decouple(&mut self, group: Group, axis: Axis, variance: f32) {
+        let k = axis as usize;
+        let (row, column, diagonal) = self.blocks_of(group);
+        for block in row.into_iter().flatten() {
+            block[k] = [0.0; 3];
+        }
+        for block in column.into_iter().flatten() {
+            set_column(block, k, [0.0; 3]);
+        }
+        diagonal[k] = [0.0; 3];
+        set_column(diagonal, k, [0.0; 3]);
+        diagonal[k][k] = variance;
+    }
+
+    /// Blocks right of a group's diagonal block, blocks above it, and itself.
+    #[allow(clippy::type_complexity)]
+    fn blocks_of(&mut self, group: Group) -> ([Option<&mut Block>; 4], [Option<&mut Block>; 4], &mut Block) {
+        let s = self;
+        match group {
+            Group::Position => (
+                [Some(&mut s.pv), Some(&mut s.pa), Some(&mut s.pg), Some(&mut s.pb)],
+                [None, None, None, None],
+                &mut s.pp,
+            ),
+            Group::Velocity => (
+                [Some(&mut s.va), Some(&mut s.vg), Some(&mut s.vb), None],
+                [Some(&mut s.pv), None, None, None],
+                &mut s.vv,
+            ),
+            Group::Attitude => (
+                [Some(&mut s.ag), Some(&mut s.ab), None, None],
+                [Some(&mut s.pa), Some(&mut s.va), None, None],
+                &mut s.aa,
+            ),
+            Group::GyroBias => (
+                [Some(&mut s.gb), None, None, None],
+                [Some(&mut s.pg), Some(&mut s.vg), Some(&mut s.ag), None],
+                &mut s.gg,
+            ),
+            Group::AccelBias => (
+                [None, None, None, None],
+                [Some(&mut s.pb), Some(&mut s.vb), Some(&mut s.ab), Some(&mut s.gb)],
+                &mut s.bb,
+            ),
+        }
+    }
+
+    /// Whether every variance is positive and every entry finite.
+    pub(crate) fn is_sound(&self) -> bool {
+        let positive = Group::ALL
+            .iter()
+            .all(|group| self.variances(*group).iter().all(|v| *v > 0.0));
+        positive && self.to_rows().iter().flatten().all(|entry| entry.is_finite())
+    }
+
+    /// Brings one variance within its bounds.
+    pub(crate) fn bound(&mut self, group: Group, axis: Axis) {
+        let limits = Limits::of(group);
+        let k = axis as usize;
+        let variance = self.variances(group)[k];
+        if !(variance <= limits.ceiling) {
+            self.decouple(group, axis, limits.ceiling);
+        } else if variance < limits.floor {
+            let (_, _, diagonal) = self.blocks_of(group);
+            diagonal[k][k] = limits.floor;
+        }
+    }
+}

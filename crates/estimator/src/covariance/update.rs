@@ -1,0 +1,338 @@
+//! One scalar measurement z = H x + noise of variance R: P ← P − c cᵀ/S, x ← x ⊕ c y/S.
+//!
+//! c = P Hᵀ is a [`Column`], S = H c + R the variance of the innovation y. Measurements that see a
+//! single state, or position by way of a past one, then have row and column of that state
+//! overwritten with the exact result c R/S: where R is much smaller than P the subtraction would
+//! leave nothing but rounding (P = 1e6, R = 1e-4 would give 0).
+
+use super::block::{
+    Row, add_outer, add_outer_symmetric, add_product, add_row, add_transposed_product, column, dot, scaled,
+    set_column,
+};
+use super::{Axis, Covariance};
+use crate::state::State;
+
+/// Covariance of every error state with one scalar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Column {
+    pub(crate) p: Row,
+    pub(crate) v: Row,
+    pub(crate) a: Row,
+    pub(crate) g: Row,
+    pub(crate) b: Row,
+}
+
+/// The states that are measured directly, one axis at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reference {
+    /// Position as it was `lag` seconds ago, which is position − lag · velocity.
+    Position { lag: f32 },
+    /// Velocity.
+    Velocity,
+    /// Attitude error.
+    Attitude,
+    /// Gyro bias.
+    GyroBias,
+}
+
+/// How a past velocity differs from the present one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LateVelocity {
+    /// Coefficients of the attitude error.
+    pub(crate) attitude: Row,
+    /// Coefficients of the error of the accelerometer bias.
+    pub(crate) bias: Row,
+    /// Process noise since then, m²/s².
+    pub(crate) since: f32,
+}
+
+impl Column {
+    #[inline(always)]
+    fn scaled(&self, s: f32) -> Self {
+        Self {
+            p: scaled(self.p, s),
+            v: scaled(self.v, s),
+            a: scaled(self.a, s),
+            g: scaled(self.g, s),
+            b: scaled(self.b, s),
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, s: f32, other: &Self) {
+        add_row(&mut self.p, s, other.p);
+        add_row(&mut self.v, s, other.v);
+        add_row(&mut self.a, s, other.a);
+        add_row(&mut self.g, s, other.g);
+        add_row(&mut self.b, s, other.b);
+    }
+}
+
+/// 1/S, if S is a variance.
+#[inline(always)]
+fn inverse(variance: f32) -> Option<f32> {
+    (variance > 0.0 && variance < f32::MAX).then(|| 1.0 / variance)
+}
+
+impl Covariance {
+    #[inline(always)]
+    fn position_column(&self, axis: Axis) -> Column {
+        let k = axis as usize;
+        Column {
+            p: self.pp[k],
+            v: self.pv[k],
+            a: self.pa[k],
+            g: self.pg[k],
+            b: self.pb[k],
+        }
+    }
+
+    #[inline(always)]
+    fn velocity_column(&self, axis: Axis) -> Column {
+        let k = axis as usize;
+        Column {
+            p: column(&self.pv, k),
+            v: self.vv[k],
+            a: self.va[k],
+            g: self.vg[k],
+            b: self.vb[k],
+        }
+    }
+
+    #[inline(always)]
+    fn set_position_column(&mut self, axis: Axis, c: &Column) {
+        let k = axis as usize;
+        set_column(&mut self.pp, k, c.p);
+        self.pp[k] = c.p;
+        self.pv[k] = c.v;
+        self.pa[k] = c.a;
+        self.pg[k] = c.g;
+        self.pb[k] = c.b;
+    }
+
+    #[inline(always)]
+    fn set_velocity_column(&mut self, axis: Axis, c: &Column) {
+        let k = axis as usize;
+        set_column(&mut self.pv, k, c.p);
+        set_column(&mut self.vv, k, c.v);
+        self.vv[k] = c.v;
+        self.va[k] = c.a;
+        self.vg[k] = c.g;
+        self.vb[k] = c.b;
+    }
+
+    #[inline(always)]
+    fn attitude_column(&self, axis: Axis) -> Column {
+        let k = axis as usize;
+        Column {
+            p: column(&self.pa, k),
+            v: column(&self.va, k),
+            a: self.aa[k],
+            g: self.ag[k],
+            b: self.ab[k],
+        }
+    }
+
+    #[inline(always)]
+    fn gyro_bias_column(&self, axis: Axis) -> Column {
+        let k = axis as usize;
+        Column {
+            p: column(&self.pg, k),
+            v: column(&self.vg, k),
+            a: column(&self.ag, k),
+            g: self.gg[k],
+            b: self.gb[k],
+        }
+    }
+
+    #[inline(always)]
+    fn set_attitude_column(&mut self, axis: Axis, c: &Column) {
+        let k = axis as usize;
+        set_column(&mut self.pa, k, c.p);
+        set_column(&mut self.va, k, c.v);
+        set_column(&mut self.aa, k, c.a);
+        self.aa[k] = c.a;
+        self.ag[k] = c.g;
+        self.ab[k] = c.b;
+    }
+
+    #[inline(always)]
+    fn set_gyro_bias_column(&mut self, axis: Axis, c: &Column) {
+        let k = axis as usize;
+        set_column(&mut self.pg, k, c.p);
+        set_column(&mut self.vg, k, c.v);
+        set_column(&mut self.ag, k, c.a);
+        set_column(&mut self.gg, k, c.g);
+        self.gg[k] = c.g;
+        self.gb[k] = c.b;
+    }
+
+    /// Variance of what is measured directly.
+    #[inline(always)]
+    pub(crate) fn variance(&self, reference: Reference, axis: Axis) -> f32 {
+        let k = axis as usize;
+        match reference {
+            Reference::Position { lag } => {
+                self.pp[k][k] - lag * (self.pv[k][k] + self.pv[k][k]) + lag * lag * self.vv[k][k]
+            }
+            Reference::Velocity => self.vv[k][k],
+            Reference::Attitude => self.aa[k][k],
+            Reference::GyroBias => self.gg[k][k],
+        }
+    }
+
+    /// Takes in a direct measurement.
+    #[inline(always)]
+    pub(crate) fn fuse_direct(
+        &mut self,
+        state: &mut State,
+        reference: Reference,
+        axis: Axis,
+        innovation: f32,
+        noise: f32,
+    ) {
+        let Some(gain) = inverse(self.variance(reference, axis) + noise) else {
+            return;
+        };
+        match reference {
+            Reference::Position { lag } => {
+                let mut c = self.position_column(axis);
+                c.add(-lag, &self.velocity_column(axis));
+                self.apply(state, &c, gain, innovation);
+                // H P after the update is c R/S; H is the row of position − lag · velocity.
+                let mut row = c.scaled(noise * gain);
+                row.add(lag, &self.velocity_column(axis));
+                // In the row itself stands (position, position), which takes lag · (v, p) as it
+                // will be: the entry just computed.
+                row.p[axis as usize] += lag * (row.v[axis as usize] - self.pv[axis as usize][axis as usize]);
+                self.set_position_column(axis, &row);
+            }
+            Reference::Velocity => {
+                let c = self.velocity_column(axis);
+                self.apply(state, &c, gain, innovation);
+                self.set_velocity_column(axis, &c.scaled(noise * gain));
+            }
+            Reference::Attitude => {
+                let c = self.attitude_column(axis);
+                self.apply(state, &c, gain, innovation);
+                self.set_attitude_column(axis, &c.scaled(noise * gain));
+            }
+            Reference::GyroBias => {
+                let c = self.gyro_bias_column(axis);
+                self.apply(state, &c, gain, innovation);
+                self.set_gyro_bias_column(axis, &c.scaled(noise * gain));
+            }
+        }
+    }
+
+    /// Covariance with h · attitude error.
+    #[inline(always)]
+    fn direction_column(&self, h: Row) -> Column {
+        let mut c = Column {
+            p: [0.0; 3],
+            v: [0.0; 3],
+            a: [0.0; 3],
+            g: [0.0; 3],
+            b: [0.0; 3],
+        };
+        add_product(&mut c.p, &self.pa, h);
+        add_product(&mut c.v, &self.va, h);
+        add_product(&mut c.a, &self.aa, h);
+        add_transposed_product(&mut c.g, &self.ag, h);
+        add_transposed_product(&mut c.b, &self.ab, h);
+        c
+    }
+
+    /// Variance of h · attitude error.
+    #[inline(always)]
+    pub(crate) fn direction_variance(&self, h: Row) -> f32 {
+        let mut a = [0.0; 3];
+        add_product(&mut a, &self.aa, h);
+        dot(h, a)
+    }
+
+    /// Takes in a measurement of h · attitude error.
+    #[inline(always)]
+    pub(crate) fn fuse_direction(&mut self, state: &mut State, h: Row, innovation: f32, noise: f32) {
+        let c = self.direction_column(h);
+        if let Some(gain) = inverse(dot(h, c.a) + noise) {
+            self.apply(state, &c, gain, innovation);
+        }
+    }
+
+    /// Covariance with h · attitude error + hb · error of the accelerometer bias.
+    #[inline(always)]
+    fn force_column(&self, h: Row, hb: Row) -> Column {
+        let mut c = self.direction_column(h);
+        add_product(&mut c.p, &self.pb, hb);
+        add_product(&mut c.v, &self.vb, hb);
+        add_product(&mut c.a, &self.ab, hb);
+        add_product(&mut c.g, &self.gb, hb);
+        add_product(&mut c.b, &self.bb, hb);
+        c
+    }
+
+    /// Variance of h · attitude error + hb · error of the accelerometer bias.
+    #[inline(always)]
+    pub(crate) fn force_variance(&self, h: Row, hb: Row) -> f32 {
+        let c = self.force_column(h, hb);
+        dot(h, c.a) + dot(hb, c.b)
+    }
+
+    /// Takes in a measurement of h · attitude error + hb · error of the accelerometer bias.
+    #[inline(always)]
+    pub(crate) fn fuse_force(&mut self, state: &mut State, h: Row, hb: Row, innovation: f32, noise: f32) {
+        let c = self.force_column(h, hb);
+        if let Some(gain) = inverse(dot(h, c.a) + dot(hb, c.b) + noise) {
+            self.apply(state, &c, gain, innovation);
+        }
+    }
+
+    /// Takes in a velocity that is no longer the present one: velocity of the axis + h · attitude
+    /// error + hb · error of the accelerometer bias, less the process noise of variance `since`.
+    #[inline(always)]
+    pub(crate) fn fuse_late_velocity(
+        &mut self,
+        state: &mut State,
+        axis: Axis,
+        late: &LateVelocity,
+        innovation: f32,
+        noise: f32,
+    ) {
+        let (h, hb) = (late.attitude, late.bias);
+        let k = axis as usize;
+        let mut c = self.force_column(h, hb);
+        c.add(1.0, &self.velocity_column(axis));
+        c.v[k] -= late.since;
+        let variance = c.v[k] + dot(h, c.a) + dot(hb, c.b) + noise;
+        if let Some(gain) = inverse(variance) {
+            self.apply(state, &c, gain, innovation);
+        }
+    }
+
+    /// P ← P − gain c cᵀ, x ← x ⊕ gain · innovation · c. Not inlined: every measurement comes here.
+    #[inline(never)]
+    fn apply(&mut self, state: &mut State, c: &Column, gain: f32, innovation: f32) {
+        let k = scaled(c.p, -gain);
+        add_outer_symmetric(&mut self.pp, k, c.p);
+        add_outer(&mut self.pv, k, c.v);
+        add_outer(&mut self.pa, k, c.a);
+        add_outer(&mut self.pg, k, c.g);
+        add_outer(&mut self.pb, k, c.b);
+        let k = scaled(c.v, -gain);
+        add_outer_symmetric(&mut self.vv, k, c.v);
+        add_outer(&mut self.va, k, c.a);
+        add_outer(&mut self.vg, k, c.g);
+        add_outer(&mut self.vb, k, c.b);
+        let k = scaled(c.a, -gain);
+        add_outer_symmetric(&mut self.aa, k, c.a);
+        add_outer(&mut self.ag, k, c.g);
+        add_outer(&mut self.ab, k, c.b);
+        let k = scaled(c.g, -gain);
+        add_outer_symmetric(&mut self.gg, k, c.g);
+        add_outer(&mut self.gb, k, c.b);
+        let k = scaled(c.b, -gain);
+        add_outer_symmetric(&mut self.bb, k, c.b);
+        state.inject(c, gain * innovation);
+    }
+}
