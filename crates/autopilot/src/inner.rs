@@ -227,7 +227,8 @@ impl Inner {
     /// Takes in a sample, or the lack of one; the time since the last tick in s.
     #[inline]
     fn sample(&mut self, imu: &Imu) -> f32 {
-        let elapsed = imu.time().wrapping_sub(self.time) as u32 as f32 * 1e-6;
+        // A time that runs backwards is no time at all.
+        let elapsed = imu.time().saturating_sub(self.time).min(1_000_000) as u32 as f32 * 1e-6;
         let dt = max(0.25 * self.period, min(4.0 * self.period, elapsed));
         self.time = imu.time();
         match imu {

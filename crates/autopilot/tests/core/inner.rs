@@ -340,3 +340,18 @@ fn a_vehicle_that_cannot_fly_gives_no_inner_parameters() {
     }
     assert!(InnerParameters::new(&table).is_none(), "no arm to pitch with");
 }
+
+/// A time before the last tick's counts as the shortest step, not as a long one.
+#[test]
+fn time_that_runs_backwards_is_no_long_step() {
+    let mut stool = flying(1000);
+    stool.answer(MotorState::Run);
+    stool.run_to_boundary();
+    stool.answer(MotorState::Run);
+    stool.time -= stool.period + 300;
+    stool.run_to_boundary();
+    stool.tick(None);
+    let snapshot = stool.mailboxes.snapshot.as_ref().expect("a snapshot waits");
+    let duration = snapshot.increments.duration;
+    assert!((0.003..0.005).contains(&duration), "{duration} s in four ticks");
+}
