@@ -1,11 +1,13 @@
 //! The program `windhover-hil`: flies the firmware, as it is flashed, on an emulated board.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use windhover_hil::elf::Elf;
 use windhover_hil::figures::Figures;
 use windhover_hil::flight::{Flight, FlightError, Plan};
@@ -126,6 +128,19 @@ fn plan(cli: &Cli) -> Result<Plan, String> {
     Ok(plan)
 }
 
+fn progress_bar(quiet: bool) -> ProgressBar {
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(1000), target);
+    if let Ok(style) = ProgressStyle::with_template("flying {bar:40} {percent}%  {elapsed}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// Flies; whether all went well. The error is one line for the user.
 fn run(cli: &Cli) -> Result<bool, String> {
     let plan = plan(cli)?;
@@ -133,8 +148,10 @@ fn run(cli: &Cli) -> Result<bool, String> {
     let elf = Elf::load(&file).map_err(|e| format!("{}: {e}; `cargo firmware` builds it", file.display()))?;
     let mut flight = Flight::new(Arc::new(elf), &plan).map_err(|e| e.to_string())?;
     let begin = Instant::now();
-    let flown = flight.fly(|_| {});
+    let bar = progress_bar(cli.json || !std::io::stderr().is_terminal());
+    let flown = flight.fly(|share| bar.set_position((share * 1000.0) as u64));
     let wall = begin.elapsed().as_secs_f64();
+    bar.finish_and_clear();
     for line in &flight.lines {
         eprintln!("{line}");
     }
