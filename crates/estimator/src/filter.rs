@@ -16,7 +16,7 @@
 use windhover_math::{Quaternion, saturate};
 
 use crate::accuracy::Accuracy;
-use crate::border::{LARGEST_POSITION, LARGEST_VELOCITY, Refusal, deviation};
+use crate::border::{LARGEST_POSITION, LARGEST_VELOCITY, Refusal, deviation, number};
 use crate::covariance::{Added, Axis, Covariance, Group, Reference, STATES};
 use crate::gate::{Policy, Report, Test, Verdict};
 use crate::health::{Health, Monitor, SENSORS, Sensor};
@@ -164,8 +164,10 @@ impl Filter {
     /// next velocities of the receiver level the vehicle again (its acceleration against the
     /// specific force), the next compass measurement gives its heading.
     pub fn realign(&mut self, tilt: f32, heading: f32) -> Result<(), Refusal> {
-        deviation(tilt)?;
-        deviation(heading)?;
+        for angle in [tilt, heading] {
+            deviation(angle)?;
+            number(angle, core::f32::consts::PI)?;
+        }
         self.covariance.decouple(Group::Attitude, Axis::X, tilt * tilt);
         self.covariance.decouple(Group::Attitude, Axis::Y, tilt * tilt);
         self.covariance

@@ -1,5 +1,6 @@
 //! The nominal state, what moves it, and how errors are put into it.
 
+use windhover_math::scalar::{is_finite, limit_norm};
 use windhover_math::{GRAVITY, Quaternion, Vector3};
 
 use crate::covariance::{Column, Transition};
@@ -18,6 +19,23 @@ pub struct State {
     /// What the accelerometer shows beside the specific force, FRD, m/s².
     pub accel_bias: Vector3,
 }
+
+/// Up to here a rotation is half its angle, rad; the norm is then right to 1e-4.
+const SMALL: f32 = 0.01;
+
+/// The rotation by a vector that should have been small, rad: at most by [`LARGEST_TURN`].
+#[cold]
+fn turned_by(by: Vector3) -> Quaternion {
+    let by = limit_norm(by, LARGEST_TURN);
+    if is_finite(by) {
+        Quaternion::from_small_rotation(by)
+    } else {
+        Quaternion::IDENTITY
+    }
+}
+
+/// Largest turn of the attitude by one scalar, rad: the series of small rotations holds so far.
+const LARGEST_TURN: f32 = 1.0;
 
 impl Default for State {
     /// Level, at rest, facing north.
@@ -81,7 +99,12 @@ impl State {
         self.velocity += gained;
         // Half the angle that the inner loop's bias was wrong by: some 1e-4 rad.
         let half = (increments.gyro_bias - self.gyro_bias) * (0.5 * dt);
-        let rotation = increments.rotation * Quaternion::new(1.0, half.x, half.y, half.z);
+        let unbiased = if half.dot(&half) < SMALL * SMALL {
+            Quaternion::new(1.0, half.x, half.y, half.z)
+        } else {
+            turned_by(half * 2.0)
+        };
+        let rotation = increments.rotation * unbiased;
         self.attitude = (self.attitude * rotation).renormalized();
         let n = -dt;
         Propagation {
@@ -109,10 +132,15 @@ impl State {
         self.accel_bias += Vector3::from(c.b) * s;
     }
 
-    /// Turns the attitude by a rotation vector in the world, rad.
+    /// Turns the attitude by a rotation vector in the world, at most by [`LARGEST_TURN`].
     #[inline(always)]
     pub(crate) fn turn(&mut self, by: Vector3) {
-        self.attitude = (Quaternion::from_small_rotation(by) * self.attitude).renormalized();
+        let turn = if by.dot(&by) <= LARGEST_TURN * LARGEST_TURN {
+            Quaternion::from_small_rotation(by)
+        } else {
+            turned_by(by)
+        };
+        self.attitude = (turn * self.attitude).renormalized();
     }
 
     /// Whether every component is finite.

@@ -1,5 +1,7 @@
 //! What keeps variances positive and finite: decoupling of single states, floor and ceiling.
 
+use windhover_math::max;
+
 use super::block::{Block, set_column};
 use super::{Axis, Covariance, Group};
 
@@ -77,6 +79,38 @@ impl Covariance {
                 &mut s.bb,
             ),
         }
+    }
+
+    /// Whether a variance is below zero: the sign bits of all fifteen at once.
+    #[inline(always)]
+    pub(super) fn has_negative_variance(&self) -> bool {
+        let signs = |m: &Block| m[0][0].to_bits() | m[1][1].to_bits() | m[2][2].to_bits();
+        let all = signs(&self.pp) | signs(&self.vv) | signs(&self.aa) | signs(&self.gg) | signs(&self.bb);
+        all >> 31 != 0
+    }
+
+    /// Keeps the variances, within their bounds, and nothing else.
+    #[cold]
+    pub(super) fn forget_correlations(&mut self) {
+        let repairs = self.repairs.saturating_add(1);
+        let kept = Group::ALL.map(|group| {
+            let limits = Limits::of(group);
+            self.variances(group).map(|variance| {
+                if variance <= limits.ceiling {
+                    max(limits.floor, variance)
+                } else {
+                    limits.ceiling
+                }
+            })
+        });
+        *self = Self::diagonal(&kept);
+        self.repairs = repairs;
+    }
+
+    /// How often correlations were forgotten since rounding had spoiled them. Never in a flight
+    /// with sensors as they are; see the tests.
+    pub fn repairs(&self) -> u32 {
+        self.repairs
     }
 
     /// Whether every variance is positive and every entry finite.

@@ -85,6 +85,7 @@ pub struct Covariance {
     gg: Block,
     gb: Block,
     bb: Block,
+    repairs: u32,
 }
 
 impl Covariance {
@@ -167,6 +168,7 @@ impl Covariance {
             gg: block(3, 3),
             gb: block(3, 4),
             bb: block(4, 4),
+            repairs: 0,
         }
     }
 }

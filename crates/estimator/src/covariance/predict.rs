@@ -129,7 +129,7 @@ impl Added {
 
 impl Covariance {
     /// P ← F P Fᵀ + Q.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn predict(&mut self, t: &Transition, added: &Added) {
         self.velocity_into_position(t.duration);
         self.attitude_and_bias_into_velocity(t);

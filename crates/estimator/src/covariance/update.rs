@@ -5,6 +5,8 @@
 //! overwritten with the exact result c R/S: where R is much smaller than P the subtraction would
 //! leave nothing but rounding (P = 1e6, R = 1e-4 would give 0).
 
+use windhover_math::max;
+
 use super::block::{
     Row, add_outer, add_outer_symmetric, add_product, add_row, add_transposed_product, column, dot, scaled,
     set_column,
@@ -68,10 +70,30 @@ impl Column {
     }
 }
 
-/// 1/S, if S is a variance.
+/// Least share of a variance that one measurement leaves. `f32` has seven digits: what is left of
+/// a larger cut is rounding, and correlations beyond ±1 come of it. A better measurement counts
+/// as one of this share, and the next one does the rest.
+const LEAST_LEFT: f32 = 1e-6;
+
+/// What a measurement is worth.
+#[derive(Clone, Copy)]
+struct Weight {
+    /// 1/S.
+    gain: f32,
+    /// R, as far as `f32` can follow.
+    noise: f32,
+}
+
+/// From H P Hᵀ and R; nothing if they are no variances. `scale` is what H P Hᵀ would be without
+/// correlations: the size of the terms that it is the sum of, and of whose digits it consists.
 #[inline(always)]
-fn inverse(variance: f32) -> Option<f32> {
-    (variance > 0.0 && variance < f32::MAX).then(|| 1.0 / variance)
+fn weigh(variance: f32, scale: f32, noise: f32) -> Option<Weight> {
+    let noise = max(LEAST_LEFT * scale, noise);
+    let whole = max(variance, 0.0) + noise;
+    (noise > 0.0 && whole < f32::MAX).then(|| Weight {
+        gain: 1.0 / whole,
+        noise,
+    })
 }
 
 impl Covariance {
@@ -181,6 +203,29 @@ impl Covariance {
         }
     }
 
+    #[inline(always)]
+    fn weigh_direct(&self, reference: Reference, axis: Axis, noise: f32) -> Option<Weight> {
+        let k = axis as usize;
+        let variance = self.variance(reference, axis);
+        let scale = match reference {
+            Reference::Position { lag } => self.pp[k][k] + lag * lag * self.vv[k][k],
+            _ => variance,
+        };
+        weigh(variance, scale, noise)
+    }
+
+    /// Variance of h · attitude error without correlations.
+    #[inline(always)]
+    fn attitude_scale(&self, h: Row) -> f32 {
+        h[0] * h[0] * self.aa[0][0] + h[1] * h[1] * self.aa[1][1] + h[2] * h[2] * self.aa[2][2]
+    }
+
+    /// Variance of hb · error of the accelerometer bias without correlations.
+    #[inline(always)]
+    fn bias_scale(&self, hb: Row) -> f32 {
+        hb[0] * hb[0] * self.bb[0][0] + hb[1] * hb[1] * self.bb[1][1] + hb[2] * hb[2] * self.bb[2][2]
+    }
+
     /// Takes in a direct measurement.
     #[inline(always)]
     pub(crate) fn fuse_direct(
@@ -191,7 +236,7 @@ impl Covariance {
         innovation: f32,
         noise: f32,
     ) {
-        let Some(gain) = inverse(self.variance(reference, axis) + noise) else {
+        let Some(Weight { gain, noise }) = self.weigh_direct(reference, axis, noise) else {
             return;
         };
         match reference {
@@ -255,7 +300,7 @@ impl Covariance {
     #[inline(always)]
     pub(crate) fn fuse_direction(&mut self, state: &mut State, h: Row, innovation: f32, noise: f32) {
         let c = self.direction_column(h);
-        if let Some(gain) = inverse(dot(h, c.a) + noise) {
+        if let Some(Weight { gain, .. }) = weigh(dot(h, c.a), self.attitude_scale(h), noise) {
             self.apply(state, &c, gain, innovation);
         }
     }
@@ -283,7 +328,8 @@ impl Covariance {
     #[inline(always)]
     pub(crate) fn fuse_force(&mut self, state: &mut State, h: Row, hb: Row, innovation: f32, noise: f32) {
         let c = self.force_column(h, hb);
-        if let Some(gain) = inverse(dot(h, c.a) + dot(hb, c.b) + noise) {
+        let scale = self.attitude_scale(h) + self.bias_scale(hb);
+        if let Some(Weight { gain, .. }) = weigh(dot(h, c.a) + dot(hb, c.b), scale, noise) {
             self.apply(state, &c, gain, innovation);
         }
     }
@@ -304,13 +350,18 @@ impl Covariance {
         let mut c = self.force_column(h, hb);
         c.add(1.0, &self.velocity_column(axis));
         c.v[k] -= late.since;
-        let variance = c.v[k] + dot(h, c.a) + dot(hb, c.b) + noise;
-        if let Some(gain) = inverse(variance) {
+        let variance = c.v[k] + dot(h, c.a) + dot(hb, c.b);
+        let scale = self.vv[k][k] + self.attitude_scale(h) + self.bias_scale(hb);
+        if let Some(Weight { gain, .. }) = weigh(variance, scale, noise) {
             self.apply(state, &c, gain, innovation);
         }
     }
 
     /// P ← P − gain c cᵀ, x ← x ⊕ gain · innovation · c. Not inlined: every measurement comes here.
+    ///
+    /// A true covariance has gain c_j² ≤ P_jj. Where rounding has spoiled it, a variance would
+    /// become negative: then the measurement is left out and correlations are forgotten. With
+    /// that, no correction is larger than the gate times the state's own standard deviation.
     #[inline(never)]
     fn apply(&mut self, state: &mut State, c: &Column, gain: f32, innovation: f32) {
         let k = scaled(c.p, -gain);
@@ -333,6 +384,10 @@ impl Covariance {
         add_outer(&mut self.gb, k, c.b);
         let k = scaled(c.b, -gain);
         add_outer_symmetric(&mut self.bb, k, c.b);
-        state.inject(c, gain * innovation);
+        if self.has_negative_variance() {
+            self.forget_correlations();
+        } else {
+            state.inject(c, gain * innovation);
+        }
     }
 }

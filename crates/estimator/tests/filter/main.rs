@@ -1,9 +1,12 @@
 //! The error-state Kalman filter against references in double precision.
 #![allow(clippy::needless_range_loop)]
 
+mod alignment;
 mod consistency;
 mod dense;
+mod endurance;
 mod flight;
+mod gates;
 mod jacobian;
 mod oracle;
 mod propagation;
