@@ -126,7 +126,9 @@ impl Covariance {
         let limits = Limits::of(group);
         let k = axis as usize;
         let variance = self.variances(group)[k];
-        if !(variance <= limits.ceiling) {
+        // NaN, too, is beyond the ceiling.
+        let is_bounded = variance <= limits.ceiling;
+        if !is_bounded {
             self.decouple(group, axis, limits.ceiling);
         } else if variance < limits.floor {
             let (_, _, diagonal) = self.blocks_of(group);

@@ -38,7 +38,7 @@ pub(crate) struct Added {
 impl Transition {
     /// x + a × force + turn b: what attitude error a and accelerometer bias b do to velocity x.
     #[inline(always)]
-    fn to_velocity(&self, x: Row, a: Row, b: Row) -> Row {
+    fn onto_velocity(&self, x: Row, a: Row, b: Row) -> Row {
         let (f, m) = (&self.force, &self.turn);
         [
             x[0] + a[1] * f[2] - a[2] * f[1] + m[0][0] * b[0] + m[0][1] * b[1] + m[0][2] * b[2],
@@ -49,7 +49,7 @@ impl Transition {
 
     /// x + turn g: what gyro bias g does to attitude x.
     #[inline(always)]
-    fn to_attitude(&self, x: Row, g: Row) -> Row {
+    fn onto_attitude(&self, x: Row, g: Row) -> Row {
         let m = &self.turn;
         [
             x[0] + m[0][0] * g[0] + m[0][1] * g[1] + m[0][2] * g[2],
@@ -61,52 +61,52 @@ impl Transition {
     /// The row of velocity in block X, from the rows of attitude (A) and accelerometer bias (B).
     #[inline(always)]
     fn velocity_row(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k| self.to_velocity(column(x, k), column(a, k), column(b, k));
+        let c = |k| self.onto_velocity(column(x, k), column(a, k), column(b, k));
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where block B is stored transposed.
     #[inline(always)]
     fn velocity_row_bt(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k: usize| self.to_velocity(column(x, k), column(a, k), b[k]);
+        let c = |k: usize| self.onto_velocity(column(x, k), column(a, k), b[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where blocks A and B are stored transposed.
     #[inline(always)]
     fn velocity_row_at_bt(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k: usize| self.to_velocity(column(x, k), a[k], b[k]);
+        let c = |k: usize| self.onto_velocity(column(x, k), a[k], b[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The column of velocity in block X.
     #[inline(always)]
     fn velocity_column(&self, x: &mut Block, a: &Block, b: &Block) {
-        x[0] = self.to_velocity(x[0], a[0], b[0]);
-        x[1] = self.to_velocity(x[1], a[1], b[1]);
-        x[2] = self.to_velocity(x[2], a[2], b[2]);
+        x[0] = self.onto_velocity(x[0], a[0], b[0]);
+        x[1] = self.onto_velocity(x[1], a[1], b[1]);
+        x[2] = self.onto_velocity(x[2], a[2], b[2]);
     }
 
     /// The row of attitude in block X, from the row of gyro bias (G).
     #[inline(always)]
     fn attitude_row(&self, x: &mut Block, g: &Block) {
-        let c = |k| self.to_attitude(column(x, k), column(g, k));
+        let c = |k| self.onto_attitude(column(x, k), column(g, k));
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where block G is stored transposed.
     #[inline(always)]
     fn attitude_row_gt(&self, x: &mut Block, g: &Block) {
-        let c = |k: usize| self.to_attitude(column(x, k), g[k]);
+        let c = |k: usize| self.onto_attitude(column(x, k), g[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The column of attitude in block X.
     #[inline(always)]
     fn attitude_column(&self, x: &mut Block, g: &Block) {
-        x[0] = self.to_attitude(x[0], g[0]);
-        x[1] = self.to_attitude(x[1], g[1]);
-        x[2] = self.to_attitude(x[2], g[2]);
+        x[0] = self.onto_attitude(x[0], g[0]);
+        x[1] = self.onto_attitude(x[1], g[1]);
+        x[2] = self.onto_attitude(x[2], g[2]);
     }
 }
 

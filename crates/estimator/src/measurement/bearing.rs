@@ -43,7 +43,8 @@ impl Filter {
         let across = d.x * d.x + d.y * d.y;
         let whole = across + d.z * d.z;
         // Also false when the direction is zero.
-        if !(across > LEAST_HORIZONTAL * LEAST_HORIZONTAL * whole) {
+        let is_seen = across > LEAST_HORIZONTAL * LEAST_HORIZONTAL * whole;
+        if !is_seen {
             return self.counted(sensor, Err(Refusal::Blind));
         }
         let inverse = 1.0 / across;

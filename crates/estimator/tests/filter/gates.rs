@@ -81,7 +81,7 @@ fn a_receiver_that_insists_is_given_in_to_and_the_step_is_told() {
     }
     let accuracy = flight.filter.accuracy();
     assert!(
-        (accuracy.horizontal - 0.5 * 2.0_f32.sqrt()).abs() < 0.01,
+        (accuracy.horizontal - std::f32::consts::FRAC_1_SQRT_2).abs() < 0.01,
         "{accuracy:?}"
     );
     let again = flight.filter.fuse_gnss_position(&measured).unwrap();
