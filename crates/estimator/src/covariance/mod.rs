@@ -5,9 +5,9 @@
 //! written, so that the matrix is symmetric by construction. Of all forms that were counted on a
 //! Cortex-M4F this is the cheapest.
 //!
-//! - [`predict`]: P ← F P Fᵀ + Q, as three row operations in place.
-//! - [`update`]: one scalar measurement.
-//! - [`bound`]: decoupling, floor and ceiling.
+//! - `predict`: P ← F P Fᵀ + Q, as three row operations in place.
+//! - `update`: one scalar measurement.
+//! - `bound`: decoupling, floor and ceiling.
 
 pub(crate) mod block;
 mod bound;
