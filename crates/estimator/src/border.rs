@@ -20,6 +20,8 @@ pub enum Refusal {
     Blind,
 }
 
+/// Shortest interval between two steps, s.
+pub const SHORTEST_INTERVAL: f32 = 1e-5;
 /// Longest interval between two steps, s.
 pub const LONGEST_INTERVAL: f32 = 0.5;
 /// Largest mean specific force over an interval, m/s²: twice an accelerometer's range of 16 g.
@@ -49,6 +51,16 @@ pub(crate) fn number(value: f32, limit: f32) -> Result<(), Refusal> {
 /// Every component of at most this magnitude.
 #[inline(always)]
 pub(crate) fn vector(value: Vector3, limit: f32) -> Result<(), Refusal> {
+    // One comparison for all three where all is well.
+    if value.dot(&value) <= limit * limit {
+        return Ok(());
+    }
+    beyond(value, limit)
+}
+
+/// What is wrong with it, if anything is: a corner of the cube lies outside the sphere.
+#[cold]
+fn beyond(value: Vector3, limit: f32) -> Result<(), Refusal> {
     number(value.x, limit)?;
     number(value.y, limit)?;
     number(value.z, limit)
@@ -57,11 +69,12 @@ pub(crate) fn vector(value: Vector3, limit: f32) -> Result<(), Refusal> {
 /// A standard deviation.
 #[inline(always)]
 pub(crate) fn deviation(value: f32) -> Result<(), Refusal> {
-    number(value, *DEVIATIONS.end())?;
-    if value >= *DEVIATIONS.start() {
+    if value >= *DEVIATIONS.start() && value <= *DEVIATIONS.end() {
         Ok(())
-    } else {
+    } else if value.is_finite() {
         Err(Refusal::OutOfRange)
+    } else {
+        Err(Refusal::NotFinite)
     }
 }
 
@@ -69,7 +82,7 @@ pub(crate) fn deviation(value: f32) -> Result<(), Refusal> {
 #[inline(always)]
 pub(crate) fn rotation(value: Quaternion) -> Result<(), Refusal> {
     let square = value.dot(value);
-    if square > 0.999 && square < 1.001 {
+    if (square - 1.0).abs() < 1e-3 {
         Ok(())
     } else if value.is_finite() {
         Err(Refusal::OutOfRange)
@@ -82,8 +95,8 @@ impl InertialIncrements {
     /// Whether this can have been measured.
     #[inline(always)]
     pub fn check(&self) -> Result<(), Refusal> {
-        number(self.duration, LONGEST_INTERVAL)?;
-        if self.duration <= 0.0 {
+        if !(SHORTEST_INTERVAL..=LONGEST_INTERVAL).contains(&self.duration) {
+            number(self.duration, LONGEST_INTERVAL)?;
             return Err(Refusal::OutOfRange);
         }
         rotation(self.rotation)?;

@@ -27,11 +27,12 @@ use windhover_math::{GRAVITY, Quaternion, Vector3};
 use crate::covariance::{Axis, LateVelocity};
 use crate::state::{Propagation, State};
 
-/// Entries: 320 ms at 250 Hz.
-pub const LENGTH: usize = 80;
+/// Entries: 320 ms at 125 Hz, every second step of the filter. Between two of them 8 ms apart a
+/// line is off the path by an eighth of a · (8 ms)²: 0.1 mm at 10 m/s².
+pub const LENGTH: usize = 41;
 
 /// Between two points if no step is late, µs.
-const NOMINAL: i32 = 4000;
+const NOMINAL: i32 = 8000;
 
 /// A point of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +72,6 @@ pub(crate) struct History {
     points: [Point; LENGTH],
     /// Where the next point goes: points from here on belong to the track before.
     next: usize,
-    filled: usize,
     now: Point,
     /// Where the track began anew, with the step that it made there.
     seam: (u32, Vector3, Vector3),
@@ -135,7 +135,7 @@ impl Past {
 }
 
 impl History {
-    /// Knows nothing but the present.
+    /// Knows nothing but the present, LENGTH times.
     pub(crate) fn new(state: &State, time: u32) -> Self {
         let now = Point {
             time,
@@ -146,46 +146,64 @@ impl History {
         Self {
             points: [now; LENGTH],
             next: 1,
-            filled: 1,
             now,
             seam: (time, Vector3::zeros(), Vector3::zeros()),
         }
     }
 
-    /// Carries the track over an interval that the filter has just carried `state` over.
+    /// Carries the track over an interval that the filter is carried over as well.
     #[inline(always)]
-    pub(crate) fn push(&mut self, moved: &Propagation, state: &State, time: u32) {
+    pub(crate) fn advance(&mut self, moved: &Propagation, time: u32) {
         let now = &mut self.now;
         now.time = time;
         now.position += (now.velocity + moved.gained * 0.5) * moved.transition.duration;
         now.velocity += moved.gained;
-        now.attitude = (now.attitude * moved.rotation).renormalized();
+        now.attitude = now.attitude * moved.rotation;
+    }
+
+    /// Keeps the present point of the track.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self) {
         if let Some(place) = self.points.get_mut(self.next) {
-            *place = *now;
+            *place = self.now;
         }
-        self.next += 1;
-        if self.next >= LENGTH {
-            self.next = 0;
-            self.seam = (time, state.position - now.position, state.velocity - now.velocity);
-            now.position = state.position;
-            now.velocity = state.velocity;
+        self.next = if self.next + 1 < LENGTH { self.next + 1 } else { 0 };
+    }
+
+    /// Once in a turn of the ring, after [`Self::keep`]: the track starts anew from `state`.
+    #[inline(always)]
+    pub(crate) fn renew(&mut self, state: &State) -> bool {
+        if self.next != 0 {
+            return false;
         }
-        if self.filled < LENGTH {
-            self.filled += 1;
+        let now = &mut self.now;
+        now.attitude = now.attitude.renormalized();
+        self.seam = (
+            now.time,
+            state.position - now.position,
+            state.velocity - now.velocity,
+        );
+        now.position = state.position;
+        now.velocity = state.velocity;
+        true
+    }
+
+    /// Where the point so many entries back is kept.
+    #[inline(always)]
+    fn index(&self, entries: usize) -> Option<usize> {
+        if entries >= LENGTH {
+            None
+        } else if entries < self.next {
+            Some(self.next - 1 - entries)
+        } else {
+            Some(LENGTH + self.next - 1 - entries)
         }
     }
 
     /// The point so many entries back, on the present track; 0 is the last one written.
     #[inline]
     fn back(&self, entries: usize) -> Option<Point> {
-        if entries >= self.filled {
-            return None;
-        }
-        let index = if entries < self.next {
-            self.next - 1 - entries
-        } else {
-            LENGTH + self.next - 1 - entries
-        };
+        let index = self.index(entries)?;
         let mut point = *self.points.get(index)?;
         if index >= self.next {
             let (time, position, velocity) = self.seam;
@@ -199,15 +217,7 @@ impl History {
     /// The time of the point so many entries back.
     #[inline(always)]
     fn time_back(&self, entries: usize) -> Option<u32> {
-        let index = if entries < self.next {
-            self.next - 1 - entries
-        } else {
-            LENGTH + self.next - 1 - entries
-        };
-        if entries >= self.filled {
-            return None;
-        }
-        self.points.get(index).map(|point| point.time)
+        self.points.get(self.index(entries)?).map(|point| point.time)
     }
 
     /// The moment `time`, µs.
@@ -220,9 +230,9 @@ impl History {
             return Ok(Past::NOW);
         }
         // Where it would be if no step was late, then along the ring: at most a few entries.
-        let mut entries = (age / NOMINAL + 1) as usize;
-        if entries >= self.filled {
-            entries = self.filled - 1;
+        let mut entries = (age / NOMINAL) as usize;
+        if entries >= LENGTH {
+            entries = LENGTH - 1;
         }
         while let Some(then) = self.time_back(entries) {
             let after = elapsed(then, time);
@@ -231,7 +241,7 @@ impl History {
                 continue;
             }
             match self.time_back(entries.wrapping_sub(1)) {
-                Some(next) if entries > 1 && elapsed(next, time) >= 0 => entries -= 1,
+                Some(next) if entries > 0 && elapsed(next, time) >= 0 => entries -= 1,
                 _ => return self.between(entries, after, time).ok_or(Unreachable::Behind),
             }
         }
@@ -240,7 +250,12 @@ impl History {
 
     /// Between the point so many entries back, which lies `after` µs before `time`, and the next.
     fn between(&self, entries: usize, after: i32, time: u32) -> Option<Past> {
-        let (a, b) = (self.back(entries)?, self.back(entries - 1)?);
+        let a = self.back(entries)?;
+        let b = if entries > 0 {
+            self.back(entries - 1)?
+        } else {
+            self.now
+        };
         let length = elapsed(a.time, b.time);
         let share = if length > 0 {
             after as f32 / length as f32
@@ -261,7 +276,7 @@ impl History {
             lag,
             position: position - self.now.position + self.now.velocity * lag,
             velocity: velocity - self.now.velocity,
-            turned: self.now.attitude.conjugate() * near.renormalized(),
+            turned: (self.now.attitude.conjugate() * near).normalized(),
         })
     }
 }

@@ -83,7 +83,8 @@ pub(crate) struct Propagation {
 
 impl State {
     /// Carries the state over an interval: v ← v + R(Δv − b_a dt) + g dt, p ← p + v̄ dt with the
-    /// mean of both velocities, q ← q ΔR exp((b_taken − b_g) dt).
+    /// mean of both velocities, q ← q ΔR exp((b_taken − b_g) dt). The caller renormalises q now and
+    /// then: one product takes 1e-7 off its norm.
     #[inline(always)]
     pub(crate) fn propagate(&mut self, increments: &InertialIncrements) -> Propagation {
         let dt = increments.duration;
@@ -99,13 +100,12 @@ impl State {
         self.velocity += gained;
         // Half the angle that the inner loop's bias was wrong by: some 1e-4 rad.
         let half = (increments.gyro_bias - self.gyro_bias) * (0.5 * dt);
-        let unbiased = if half.dot(&half) < SMALL * SMALL {
-            Quaternion::new(1.0, half.x, half.y, half.z)
+        let rotation = if half.dot(&half) < SMALL * SMALL {
+            increments.rotation * Quaternion::new(1.0, half.x, half.y, half.z)
         } else {
-            turned_by(half * 2.0)
+            increments.rotation * turned_by(half * 2.0)
         };
-        let rotation = increments.rotation * unbiased;
-        self.attitude = (self.attitude * rotation).renormalized();
+        self.attitude = self.attitude * rotation;
         let n = -dt;
         Propagation {
             transition: Transition {

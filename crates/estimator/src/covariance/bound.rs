@@ -121,18 +121,24 @@ impl Covariance {
         positive && self.to_rows().iter().flatten().all(|entry| entry.is_finite())
     }
 
+    /// Whether one variance is within its bounds.
+    #[inline(always)]
+    pub(crate) fn is_bounded(&self, group: Group, axis: Axis) -> bool {
+        let limits = Limits::of(group);
+        let variance = self.variances(group)[axis as usize];
+        variance >= limits.floor && variance <= limits.ceiling
+    }
+
     /// Brings one variance within its bounds.
     pub(crate) fn bound(&mut self, group: Group, axis: Axis) {
         let limits = Limits::of(group);
         let k = axis as usize;
         let variance = self.variances(group)[k];
-        // NaN, too, is beyond the ceiling.
-        let is_bounded = variance <= limits.ceiling;
-        if !is_bounded {
-            self.decouple(group, axis, limits.ceiling);
-        } else if variance < limits.floor {
+        if variance < limits.floor {
             let (_, _, diagonal) = self.blocks_of(group);
             diagonal[k][k] = limits.floor;
+        } else if variance > limits.ceiling || variance.is_nan() {
+            self.decouple(group, axis, limits.ceiling);
         }
     }
 }

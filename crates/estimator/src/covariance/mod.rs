@@ -6,17 +6,19 @@
 //! Cortex-M4F this is the cheapest.
 //!
 //! - `predict`: P ← F P Fᵀ + Q, as three row operations in place.
-//! - `update`: one scalar measurement.
+//! - `column` and `update`: one scalar measurement.
 //! - `bound`: decoupling, floor and ceiling.
 
 pub(crate) mod block;
 mod bound;
+mod column;
 mod predict;
 mod update;
 
 pub use bound::Limits;
+pub(crate) use column::Column;
 pub(crate) use predict::{Added, Transition};
-pub(crate) use update::{Column, LateVelocity, Reference};
+pub(crate) use update::{LateVelocity, Reference};
 
 use block::{Block, ZERO};
 

@@ -38,7 +38,7 @@ pub(crate) struct Added {
 impl Transition {
     /// x + a × force + turn b: what attitude error a and accelerometer bias b do to velocity x.
     #[inline(always)]
-    fn onto_velocity(&self, x: Row, a: Row, b: Row) -> Row {
+    fn on_velocity(&self, x: Row, a: Row, b: Row) -> Row {
         let (f, m) = (&self.force, &self.turn);
         [
             x[0] + a[1] * f[2] - a[2] * f[1] + m[0][0] * b[0] + m[0][1] * b[1] + m[0][2] * b[2],
@@ -49,7 +49,7 @@ impl Transition {
 
     /// x + turn g: what gyro bias g does to attitude x.
     #[inline(always)]
-    fn onto_attitude(&self, x: Row, g: Row) -> Row {
+    fn on_attitude(&self, x: Row, g: Row) -> Row {
         let m = &self.turn;
         [
             x[0] + m[0][0] * g[0] + m[0][1] * g[1] + m[0][2] * g[2],
@@ -61,52 +61,52 @@ impl Transition {
     /// The row of velocity in block X, from the rows of attitude (A) and accelerometer bias (B).
     #[inline(always)]
     fn velocity_row(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k| self.onto_velocity(column(x, k), column(a, k), column(b, k));
+        let c = |k| self.on_velocity(column(x, k), column(a, k), column(b, k));
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where block B is stored transposed.
     #[inline(always)]
     fn velocity_row_bt(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k: usize| self.onto_velocity(column(x, k), column(a, k), b[k]);
+        let c = |k: usize| self.on_velocity(column(x, k), column(a, k), b[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where blocks A and B are stored transposed.
     #[inline(always)]
     fn velocity_row_at_bt(&self, x: &mut Block, a: &Block, b: &Block) {
-        let c = |k: usize| self.onto_velocity(column(x, k), a[k], b[k]);
+        let c = |k: usize| self.on_velocity(column(x, k), a[k], b[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The column of velocity in block X.
     #[inline(always)]
     fn velocity_column(&self, x: &mut Block, a: &Block, b: &Block) {
-        x[0] = self.onto_velocity(x[0], a[0], b[0]);
-        x[1] = self.onto_velocity(x[1], a[1], b[1]);
-        x[2] = self.onto_velocity(x[2], a[2], b[2]);
+        x[0] = self.on_velocity(x[0], a[0], b[0]);
+        x[1] = self.on_velocity(x[1], a[1], b[1]);
+        x[2] = self.on_velocity(x[2], a[2], b[2]);
     }
 
     /// The row of attitude in block X, from the row of gyro bias (G).
     #[inline(always)]
     fn attitude_row(&self, x: &mut Block, g: &Block) {
-        let c = |k| self.onto_attitude(column(x, k), column(g, k));
+        let c = |k| self.on_attitude(column(x, k), column(g, k));
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The same where block G is stored transposed.
     #[inline(always)]
     fn attitude_row_gt(&self, x: &mut Block, g: &Block) {
-        let c = |k: usize| self.onto_attitude(column(x, k), g[k]);
+        let c = |k: usize| self.on_attitude(column(x, k), g[k]);
         *x = from_columns(c(0), c(1), c(2));
     }
 
     /// The column of attitude in block X.
     #[inline(always)]
     fn attitude_column(&self, x: &mut Block, g: &Block) {
-        x[0] = self.onto_attitude(x[0], g[0]);
-        x[1] = self.onto_attitude(x[1], g[1]);
-        x[2] = self.onto_attitude(x[2], g[2]);
+        x[0] = self.on_attitude(x[0], g[0]);
+        x[1] = self.on_attitude(x[1], g[1]);
+        x[2] = self.on_attitude(x[2], g[2]);
     }
 }
 
@@ -128,12 +128,12 @@ impl Added {
 }
 
 impl Covariance {
-    /// P ← F P Fᵀ + Q.
+    /// P ← F P Fᵀ + Q. Inlined, it would have to share the registers: 85 instructions more.
     #[inline(never)]
     pub(crate) fn predict(&mut self, t: &Transition, added: &Added) {
         self.velocity_into_position(t.duration);
-        self.attitude_and_bias_into_velocity(t);
-        self.bias_into_attitude(t);
+        self.attitude_and_bias_inon_velocity(t);
+        self.bias_inon_attitude(t);
         add_diagonal(&mut self.vv, added.velocity);
         add_diagonal(&mut self.aa, added.attitude);
         add_diagonal(&mut self.gg, added.gyro_bias);
@@ -152,7 +152,7 @@ impl Covariance {
     }
 
     #[inline(always)]
-    fn attitude_and_bias_into_velocity(&mut self, t: &Transition) {
+    fn attitude_and_bias_inon_velocity(&mut self, t: &Transition) {
         t.velocity_row_at_bt(&mut self.vv, &self.va, &self.vb);
         t.velocity_column(&mut self.pv, &self.pa, &self.pb);
         t.velocity_row_bt(&mut self.va, &self.aa, &self.ab);
@@ -163,7 +163,7 @@ impl Covariance {
     }
 
     #[inline(always)]
-    fn bias_into_attitude(&mut self, t: &Transition) {
+    fn bias_inon_attitude(&mut self, t: &Transition) {
         t.attitude_row_gt(&mut self.aa, &self.ag);
         t.attitude_column(&mut self.pa, &self.pg);
         t.attitude_column(&mut self.va, &self.vg);

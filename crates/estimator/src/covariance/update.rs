@@ -7,22 +7,10 @@
 
 use windhover_math::max;
 
-use super::block::{
-    Row, add_outer, add_outer_symmetric, add_product, add_row, add_transposed_product, column, dot, scaled,
-    set_column,
-};
+use super::block::{Row, add_outer, add_outer_symmetric, add_product, dot, scaled};
+use super::column::Column;
 use super::{Axis, Covariance};
 use crate::state::State;
-
-/// Covariance of every error state with one scalar.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Column {
-    pub(crate) p: Row,
-    pub(crate) v: Row,
-    pub(crate) a: Row,
-    pub(crate) g: Row,
-    pub(crate) b: Row,
-}
 
 /// The states that are measured directly, one axis at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,28 +34,6 @@ pub(crate) struct LateVelocity {
     pub(crate) bias: Row,
     /// Process noise since then, m²/s².
     pub(crate) since: f32,
-}
-
-impl Column {
-    #[inline(always)]
-    fn scaled(&self, s: f32) -> Self {
-        Self {
-            p: scaled(self.p, s),
-            v: scaled(self.v, s),
-            a: scaled(self.a, s),
-            g: scaled(self.g, s),
-            b: scaled(self.b, s),
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, s: f32, other: &Self) {
-        add_row(&mut self.p, s, other.p);
-        add_row(&mut self.v, s, other.v);
-        add_row(&mut self.a, s, other.a);
-        add_row(&mut self.g, s, other.g);
-        add_row(&mut self.b, s, other.b);
-    }
 }
 
 /// Least share of a variance that one measurement leaves. `f32` has seven digits: what is left of
@@ -97,98 +63,6 @@ fn weigh(variance: f32, scale: f32, noise: f32) -> Option<Weight> {
 }
 
 impl Covariance {
-    #[inline(always)]
-    fn position_column(&self, axis: Axis) -> Column {
-        let k = axis as usize;
-        Column {
-            p: self.pp[k],
-            v: self.pv[k],
-            a: self.pa[k],
-            g: self.pg[k],
-            b: self.pb[k],
-        }
-    }
-
-    #[inline(always)]
-    fn velocity_column(&self, axis: Axis) -> Column {
-        let k = axis as usize;
-        Column {
-            p: column(&self.pv, k),
-            v: self.vv[k],
-            a: self.va[k],
-            g: self.vg[k],
-            b: self.vb[k],
-        }
-    }
-
-    #[inline(always)]
-    fn set_position_column(&mut self, axis: Axis, c: &Column) {
-        let k = axis as usize;
-        set_column(&mut self.pp, k, c.p);
-        self.pp[k] = c.p;
-        self.pv[k] = c.v;
-        self.pa[k] = c.a;
-        self.pg[k] = c.g;
-        self.pb[k] = c.b;
-    }
-
-    #[inline(always)]
-    fn set_velocity_column(&mut self, axis: Axis, c: &Column) {
-        let k = axis as usize;
-        set_column(&mut self.pv, k, c.p);
-        set_column(&mut self.vv, k, c.v);
-        self.vv[k] = c.v;
-        self.va[k] = c.a;
-        self.vg[k] = c.g;
-        self.vb[k] = c.b;
-    }
-
-    #[inline(always)]
-    fn attitude_column(&self, axis: Axis) -> Column {
-        let k = axis as usize;
-        Column {
-            p: column(&self.pa, k),
-            v: column(&self.va, k),
-            a: self.aa[k],
-            g: self.ag[k],
-            b: self.ab[k],
-        }
-    }
-
-    #[inline(always)]
-    fn gyro_bias_column(&self, axis: Axis) -> Column {
-        let k = axis as usize;
-        Column {
-            p: column(&self.pg, k),
-            v: column(&self.vg, k),
-            a: column(&self.ag, k),
-            g: self.gg[k],
-            b: self.gb[k],
-        }
-    }
-
-    #[inline(always)]
-    fn set_attitude_column(&mut self, axis: Axis, c: &Column) {
-        let k = axis as usize;
-        set_column(&mut self.pa, k, c.p);
-        set_column(&mut self.va, k, c.v);
-        set_column(&mut self.aa, k, c.a);
-        self.aa[k] = c.a;
-        self.ag[k] = c.g;
-        self.ab[k] = c.b;
-    }
-
-    #[inline(always)]
-    fn set_gyro_bias_column(&mut self, axis: Axis, c: &Column) {
-        let k = axis as usize;
-        set_column(&mut self.pg, k, c.p);
-        set_column(&mut self.vg, k, c.v);
-        set_column(&mut self.ag, k, c.a);
-        set_column(&mut self.gg, k, c.g);
-        self.gg[k] = c.g;
-        self.gb[k] = c.b;
-    }
-
     /// Variance of what is measured directly.
     #[inline(always)]
     pub(crate) fn variance(&self, reference: Reference, axis: Axis) -> f32 {
@@ -242,14 +116,19 @@ impl Covariance {
         match reference {
             Reference::Position { lag } => {
                 let mut c = self.position_column(axis);
-                c.add(-lag, &self.velocity_column(axis));
+                if lag > 0.0 {
+                    c.add(-lag, &self.velocity_column(axis));
+                }
                 self.apply(state, &c, gain, innovation);
                 // H P after the update is c R/S; H is the row of position − lag · velocity.
                 let mut row = c.scaled(noise * gain);
-                row.add(lag, &self.velocity_column(axis));
-                // In the row itself stands (position, position), which takes lag · (v, p) as it
-                // will be: the entry just computed.
-                row.p[axis as usize] += lag * (row.v[axis as usize] - self.pv[axis as usize][axis as usize]);
+                if lag > 0.0 {
+                    row.add(lag, &self.velocity_column(axis));
+                    // In the row itself stands (position, position), which takes lag · (v, p) as
+                    // it will be: the entry just computed.
+                    let k = axis as usize;
+                    row.p[k] += lag * (row.v[k] - self.pv[k][k]);
+                }
                 self.set_position_column(axis, &row);
             }
             Reference::Velocity => {
@@ -270,24 +149,6 @@ impl Covariance {
         }
     }
 
-    /// Covariance with h · attitude error.
-    #[inline(always)]
-    fn direction_column(&self, h: Row) -> Column {
-        let mut c = Column {
-            p: [0.0; 3],
-            v: [0.0; 3],
-            a: [0.0; 3],
-            g: [0.0; 3],
-            b: [0.0; 3],
-        };
-        add_product(&mut c.p, &self.pa, h);
-        add_product(&mut c.v, &self.va, h);
-        add_product(&mut c.a, &self.aa, h);
-        add_transposed_product(&mut c.g, &self.ag, h);
-        add_transposed_product(&mut c.b, &self.ab, h);
-        c
-    }
-
     /// Variance of h · attitude error.
     #[inline(always)]
     pub(crate) fn direction_variance(&self, h: Row) -> f32 {
@@ -303,18 +164,6 @@ impl Covariance {
         if let Some(Weight { gain, .. }) = weigh(dot(h, c.a), self.attitude_scale(h), noise) {
             self.apply(state, &c, gain, innovation);
         }
-    }
-
-    /// Covariance with h · attitude error + hb · error of the accelerometer bias.
-    #[inline(always)]
-    fn force_column(&self, h: Row, hb: Row) -> Column {
-        let mut c = self.direction_column(h);
-        add_product(&mut c.p, &self.pb, hb);
-        add_product(&mut c.v, &self.vb, hb);
-        add_product(&mut c.a, &self.ab, hb);
-        add_product(&mut c.g, &self.gb, hb);
-        add_product(&mut c.b, &self.bb, hb);
-        c
     }
 
     /// Variance of h · attitude error + hb · error of the accelerometer bias.

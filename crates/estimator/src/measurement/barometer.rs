@@ -84,7 +84,7 @@ impl Filter {
         self.datum
     }
 
-    fn barometer_border(&mut self, measured: &BarometricHeight) -> Result<Past, Refusal> {
+    fn barometer_border(&self, measured: &BarometricHeight) -> Result<Past, Refusal> {
         number(measured.height, LARGEST_POSITION)?;
         deviation(measured.deviation)?;
         self.past(measured.time)

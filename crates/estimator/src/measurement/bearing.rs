@@ -42,9 +42,8 @@ impl Filter {
         let d = measured.attitude.rotate(measured.direction);
         let across = d.x * d.x + d.y * d.y;
         let whole = across + d.z * d.z;
-        // Also false when the direction is zero.
-        let is_seen = across > LEAST_HORIZONTAL * LEAST_HORIZONTAL * whole;
-        if !is_seen {
+        // Of a direction of length zero nothing is horizontal either.
+        if across <= LEAST_HORIZONTAL * LEAST_HORIZONTAL * whole {
             return self.counted(sensor, Err(Refusal::Blind));
         }
         let inverse = 1.0 / across;

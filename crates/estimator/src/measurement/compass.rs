@@ -54,7 +54,7 @@ impl Filter {
         self.fuse_bearing(Sensor::Compass, &bearing)
     }
 
-    fn compass_border(&mut self, measured: &MagneticField) -> Result<Past, Refusal> {
+    fn compass_border(&self, measured: &MagneticField) -> Result<Past, Refusal> {
         measured.check()?;
         self.past(measured.time)
     }

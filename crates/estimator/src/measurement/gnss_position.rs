@@ -76,7 +76,7 @@ impl Filter {
         ))
     }
 
-    fn gnss_border(&mut self, measured: &GnssPosition, claimed: f32) -> Result<Past, Refusal> {
+    fn gnss_border(&self, measured: &GnssPosition, claimed: f32) -> Result<Past, Refusal> {
         vector(measured.position, LARGEST_POSITION)?;
         deviation(claimed)?;
         self.past(measured.time)

@@ -50,7 +50,7 @@ impl Filter {
         ))
     }
 
-    fn gnss_velocity_border(&mut self, measured: &GnssVelocity) -> Result<Past, Refusal> {
+    fn gnss_velocity_border(&self, measured: &GnssVelocity) -> Result<Past, Refusal> {
         vector(measured.velocity, LARGEST_VELOCITY)?;
         deviation(measured.deviation)?;
         self.past(measured.time)

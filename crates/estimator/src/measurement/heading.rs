@@ -39,7 +39,7 @@ impl Filter {
         self.fuse_bearing(Sensor::Heading, &bearing)
     }
 
-    fn heading_border(&mut self, measured: &Heading) -> Result<Past, Refusal> {
+    fn heading_border(&self, measured: &Heading) -> Result<Past, Refusal> {
         number(measured.heading, PI)?;
         deviation(measured.deviation)?;
         self.past(measured.time)

@@ -37,6 +37,12 @@ struct Noise {
     attitude: f32,
 }
 
+/// The rotation vector in the world, rad, from one attitude to the other; for small ones.
+fn turn_between(from: Quaternion, to: Quaternion) -> [f32; 3] {
+    let d = (to * from.conjugate()).shortest();
+    [2.0 * d.x, 2.0 * d.y, 2.0 * d.z]
+}
+
 impl Filter {
     /// Takes it in.
     pub fn fuse_pose(&mut self, measured: &ExternalPose) -> Result<Report<9>, Refusal> {
@@ -50,7 +56,7 @@ impl Filter {
         let at = Reference::Position { lag: past.lag };
         let p = measured.position - past.position(&self.state);
         let v = measured.velocity - past.velocity(&self.state);
-        let a = Self::turn_between(past.attitude(&self.state), measured.attitude);
+        let a = turn_between(past.attitude(&self.state), measured.attitude);
         let tests = [
             self.test_direct(at, Axis::X, p.x, noise.position),
             self.test_direct(at, Axis::Y, p.y, noise.position),
@@ -70,7 +76,7 @@ impl Filter {
         ))
     }
 
-    fn pose_border(&mut self, measured: &ExternalPose) -> Result<Past, Refusal> {
+    fn pose_border(&self, measured: &ExternalPose) -> Result<Past, Refusal> {
         vector(measured.position, LARGEST_POSITION)?;
         vector(measured.velocity, LARGEST_VELOCITY)?;
         rotation(measured.attitude)?;
@@ -90,7 +96,7 @@ impl Filter {
         let w = wrong(self);
         self.fuse_direct(at, Axis::Z, w.z, noise.position);
         self.fuse_velocity(measured.velocity, past, noise.velocity);
-        let wrong = |filter: &Self| Self::turn_between(past.attitude(&filter.state), measured.attitude);
+        let wrong = |filter: &Self| turn_between(past.attitude(&filter.state), measured.attitude);
         let w = wrong(self);
         self.fuse_direct(Reference::Attitude, Axis::X, w[0], noise.attitude);
         let w = wrong(self);

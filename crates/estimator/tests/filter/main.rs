@@ -8,6 +8,8 @@ mod endurance;
 mod flight;
 mod gates;
 mod jacobian;
+mod jacobian_rest;
 mod oracle;
 mod propagation;
 mod random;
+mod refusals;
