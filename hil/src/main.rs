@@ -7,13 +7,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use windhover_hil::elf::Elf;
 use windhover_hil::figures::Figures;
 use windhover_hil::flight::{Flight, FlightError, Plan};
 use windhover_hil::rig::fault::Fault;
 use windhover_hil::trouble::{Slow, Trouble};
-use windhover_model::{Conditions, Vehicle, mean_wind_from};
+use windhover_model::{Conditions, mean_wind_from};
+use windhover_sim::terminal::{FlightBar, read_vehicle};
 
 /// Where `cargo firmware` puts the firmware.
 const FIRMWARE: &str = "target/thumbv7em-none-eabihf/release/windhover-firmware";
@@ -93,18 +93,10 @@ fn main() -> ExitCode {
 }
 
 fn plan(cli: &Cli) -> Result<Plan, String> {
-    let vehicle = match Vehicle::named(&cli.vehicle) {
-        Ok(vehicle) => vehicle,
-        Err(unknown) if !cli.vehicle.ends_with(".toml") => return Err(unknown.to_string()),
-        Err(_) => {
-            let text = std::fs::read_to_string(&cli.vehicle).map_err(|e| format!("{}: {e}", cli.vehicle))?;
-            Vehicle::from_toml(&text).map_err(|e| format!("{}: {e}", cli.vehicle))?
-        }
-    };
     if !(1.0..=86_400.0).contains(&cli.seconds) {
         return Err(format!("--seconds {}: 1 to 86400 are possible", cli.seconds));
     }
-    let mut plan = Plan::calm(vehicle, cli.seconds);
+    let mut plan = Plan::calm(read_vehicle(&cli.vehicle)?, cli.seconds);
     plan.conditions = Conditions {
         wind: mean_wind_from(cli.wind.0, cli.wind.1),
         gust: cli.gust,
@@ -128,19 +120,6 @@ fn plan(cli: &Cli) -> Result<Plan, String> {
     Ok(plan)
 }
 
-fn progress_bar(quiet: bool) -> ProgressBar {
-    let target = if quiet {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr()
-    };
-    let bar = ProgressBar::with_draw_target(Some(1000), target);
-    if let Ok(style) = ProgressStyle::with_template("flying {bar:40} {percent}%  {elapsed}") {
-        bar.set_style(style);
-    }
-    bar
-}
-
 /// Flies; whether all went well. The error is one line for the user.
 fn run(cli: &Cli) -> Result<bool, String> {
     let plan = plan(cli)?;
@@ -148,10 +127,10 @@ fn run(cli: &Cli) -> Result<bool, String> {
     let elf = Elf::load(&file).map_err(|e| format!("{}: {e}; `cargo firmware` builds it", file.display()))?;
     let mut flight = Flight::new(Arc::new(elf), &plan).map_err(|e| e.to_string())?;
     let begin = Instant::now();
-    let bar = progress_bar(cli.json || !std::io::stderr().is_terminal());
-    let flown = flight.fly(|share| bar.set_position((share * 1000.0) as u64));
+    let bar = FlightBar::new(cli.json || !std::io::stderr().is_terminal());
+    let flown = flight.fly(|share| bar.show(share));
     let wall = begin.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    bar.finish();
     for line in &flight.lines {
         eprintln!("{line}");
     }

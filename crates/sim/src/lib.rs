@@ -7,6 +7,7 @@
 //! - [`flight_log`]: what a flight leaves behind; [`replay`]: the core again on a log's inputs,
 //!   equal bit for bit.
 //! - [`flight_report`]: a log as a [`report`], a page to look at.
+//! - [`terminal`]: what programs share that fly at somebody's terminal.
 
 pub mod closed_loop;
 pub mod figures;
@@ -18,3 +19,4 @@ pub mod mission_file;
 pub mod recording;
 pub mod replay;
 pub mod report;
+pub mod terminal;

@@ -8,9 +8,9 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use windhover_sim::flight::{self, Flight};
 use windhover_sim::flight_log::FlightLog;
+use windhover_sim::terminal::FlightBar;
 
 use options::{Fly, Invocation};
 
@@ -53,13 +53,13 @@ fn run(fly: &Fly) -> Result<bool, String> {
         &output::conditions(&request),
     );
     let quiet = fly.json || !std::io::stderr().is_terminal();
-    let bar = progress_bar(quiet);
+    let bar = FlightBar::new(quiet);
     let start = Instant::now();
     let flown = flight::fly(setup, mission, &mut log, &mut |share| {
-        bar.set_position((share * 1000.0) as u64);
+        bar.show(share);
     });
     let wall = start.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    bar.finish();
     let mut flown: Flight = flown.map_err(|e| request.explain(&e))?;
     flown.figures.speed_factor = flown.simulated / windhover_math::max(wall, 1e-9);
     flown.figures.log_bytes_per_s = log.rate(flown.simulated);
@@ -70,17 +70,4 @@ fn run(fly: &Fly) -> Result<bool, String> {
         print!("{}", output::text(&request, &flown, &files));
     }
     Ok(flown.figures.completed)
-}
-
-fn progress_bar(quiet: bool) -> ProgressBar {
-    let target = if quiet {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr()
-    };
-    let bar = ProgressBar::with_draw_target(Some(1000), target);
-    if let Ok(style) = ProgressStyle::with_template("flying {bar:40} {percent}%  {elapsed}") {
-        bar.set_style(style);
-    }
-    bar
 }

@@ -6,9 +6,10 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use windhover_autopilot::{Parameters, Preset};
 use windhover_math::Vector3;
-use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, Vehicle, mean_wind_from};
+use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, mean_wind_from};
 use windhover_sim::flight::{Setup, SetupError};
 use windhover_sim::mission_file::{self, MissionFile};
+use windhover_sim::terminal::read_vehicle;
 
 /// The mission that is flown when none is named.
 const DEFAULT_MISSION: &str = "missions/monitoring.plan";
@@ -323,16 +324,6 @@ impl Fly {
             .clone()
             .unwrap_or_else(|| Path::new("flights").join(stem))
     }
-}
-
-/// A vehicle by its name, or from a file.
-fn read_vehicle(name: &str) -> Result<Vehicle, String> {
-    let is_file = name.ends_with(".toml") || name.contains(std::path::MAIN_SEPARATOR);
-    if !is_file {
-        return Vehicle::named(name).map_err(|e| format!("--vehicle: {e}"));
-    }
-    let text = std::fs::read_to_string(name).map_err(|e| format!("{name}: {e}"))?;
-    Vehicle::from_toml(&text).map_err(|e| format!("{name}: {e}"))
 }
 
 /// Equation (1) has no heading: the mission's headings are left out.
