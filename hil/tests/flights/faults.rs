@@ -134,6 +134,13 @@ fn inertial_sensors_lost_in_flight() {
         let after = off_since(&flight).expect("the motors are off") - AT;
         assert!(after < 0.0225 + FRAME, "{fault}: {after} s");
         assert_eq!(figures.resets, 0, "{fault}");
+        // Ticks go on, one each 1.5 periods; the sums in the log are of the last whole second.
+        let lost = plan.seconds + 2.0 - AT - 1.0;
+        let missing = figures.counts.expect("once a second").missing;
+        assert!(
+            f64::from(missing) > 0.9 * lost / 0.0015,
+            "{fault}: {missing} in {lost} s"
+        );
         assert!(figures.replays(), "{fault}: {:?}", figures.replay);
         assert!(said(&flight, "inertial sensors"), "{fault}: {:?}", flight.lines);
     }

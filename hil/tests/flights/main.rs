@@ -3,6 +3,7 @@
 //!
 //! Long versions run where `WINDHOVER_LONG` is set (`cargo xtask test --long`).
 
+mod board;
 mod faults;
 mod replays;
 
