@@ -239,7 +239,7 @@ extern "C" fn hard_fault(stack: u32) -> ! {
     };
     let what = match cfsr {
         cfsr if cfsr & STACKING != 0
-            || !board::STACK.contains(&(stack + FRAME - 1))
+            || !board::STACK.contains(&stack.wrapping_add(FRAME - 1))
             || !board::STACK.contains(&stack) =>
         {
             "stack overflow"
