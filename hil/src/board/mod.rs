@@ -29,6 +29,7 @@ mod timer;
 mod usart;
 pub mod wiring;
 
+use crate::machine::Bus;
 use crate::violation::Violation;
 use chip::{Chip, Outside};
 pub use wiring::{Inputs, Pin, PwmPulse, Usart, Wiring};
@@ -56,7 +57,9 @@ pub enum ResetCause {
 
 /// The board: the microcontroller's peripherals and what is wired to its pins.
 ///
-/// Time never goes back: each call's `now` is at least that of the calls before it.
+/// Time never goes back: each call's `now` is at least that of the calls before it. A reset lets pins
+/// float, so PWM stops; the flags in `RCC_CSR`, the backup domain and option bytes stay, except that
+/// power-on clears the first two.
 pub struct Board<W: Wiring> {
     /// What is on the other side of the pins.
     pub wiring: W,
@@ -70,27 +73,30 @@ impl<W: Wiring> Board<W> {
         Self { wiring, chip }
     }
 
-    /// Resets the peripherals. Pins float, so PWM stops; the flags in `RCC_CSR`, the backup domain
-    /// and option bytes stay, except that power-on clears the first two.
-    pub fn reset(&mut self, now: u64, cause: ResetCause) {
+    /// The brown-out level in force, as in `FLASH_OPTCR.BOR_LEV`: 0 is level 3, the highest; 3 is
+    /// off.
+    pub fn brown_out_level(&self) -> u32 {
+        self.chip.brown_out_level()
+    }
+
+    fn split<'a>(&'a mut self, memory: &'a mut dyn Memory) -> (&'a mut Chip, Outside<'a>) {
+        let wiring = &mut self.wiring;
+        (&mut self.chip, Outside { wiring, memory })
+    }
+}
+
+impl<W: Wiring> Bus for Board<W> {
+    fn reset(&mut self, now: u64, cause: ResetCause) {
         self.chip.reset(now, cause, &mut self.wiring);
     }
 
-    /// The processor reads `size` bytes (1, 2 or 4) of a register.
-    pub fn read(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        memory: &mut dyn Memory,
-    ) -> Result<u32, Violation> {
+    fn read(&mut self, now: u64, address: u32, size: u32, memory: &mut dyn Memory) -> Result<u32, Violation> {
         self.advance(now, memory)?;
         let (chip, mut outside) = self.split(memory);
         chip.read(now, address, size, &mut outside)
     }
 
-    /// The processor writes `size` bytes (1, 2 or 4) of a register.
-    pub fn write(
+    fn write(
         &mut self,
         now: u64,
         address: u32,
@@ -103,8 +109,7 @@ impl<W: Wiring> Board<W> {
         chip.write(now, address, size, value, &mut outside)
     }
 
-    /// Lets everything happen that is due by `now`, in the order of time.
-    pub fn advance(&mut self, now: u64, memory: &mut dyn Memory) -> Result<(), Violation> {
+    fn advance(&mut self, now: u64, memory: &mut dyn Memory) -> Result<(), Violation> {
         loop {
             let next = self.next_event();
             if next > now {
@@ -115,29 +120,23 @@ impl<W: Wiring> Board<W> {
         }
     }
 
-    /// When something will next happen by itself; [`crate::time::NEVER`] if nothing will.
-    pub fn next_event(&self) -> u64 {
+    fn next_event(&self) -> u64 {
         self.chip.next_event().min(self.wiring.next_event())
     }
 
-    /// The levels of the interrupt request lines: bit `n` is the line of interrupt `n`.
-    pub fn interrupts(&self) -> u128 {
+    fn interrupts(&self) -> u128 {
         self.chip.interrupts()
     }
 
-    /// Ticks of virtual time in a cycle of the processor's clock.
-    pub fn ticks_per_cycle(&self) -> u64 {
+    fn ticks_per_cycle(&self) -> u64 {
         self.chip.ticks_per_cycle()
     }
 
-    /// Whether something on the chip, the watchdog, asks for a reset. It says so once.
-    pub fn take_reset(&mut self) -> Option<ResetCause> {
+    fn take_reset(&mut self) -> Option<ResetCause> {
         self.chip.take_reset()
     }
 
-    /// The processor stores `size` bytes into flash. Returns what they become, for the caller to
-    /// store: bits can only be cleared.
-    pub fn store_to_flash(
+    fn store_to_flash(
         &mut self,
         now: u64,
         address: u32,
@@ -149,20 +148,7 @@ impl<W: Wiring> Board<W> {
         self.chip.store_to_flash(now, address, size, value, memory)
     }
 
-    /// Until when nothing can be read from flash, since it is erased or programmed. A time that has
-    /// passed stands for no stall.
-    pub fn stalled_until(&self) -> u64 {
+    fn stalled_until(&self) -> u64 {
         self.chip.stalled_until()
-    }
-
-    /// The brown-out level in force, as in `FLASH_OPTCR.BOR_LEV`: 0 is level 3, the highest; 3 is
-    /// off.
-    pub fn brown_out_level(&self) -> u32 {
-        self.chip.brown_out_level()
-    }
-
-    fn split<'a>(&'a mut self, memory: &'a mut dyn Memory) -> (&'a mut Chip, Outside<'a>) {
-        let wiring = &mut self.wiring;
-        (&mut self.chip, Outside { wiring, memory })
     }
 }

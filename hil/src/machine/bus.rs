@@ -1,6 +1,6 @@
 //! What the processor sees of the rest of the microcontroller.
 
-use crate::board::{Board, Memory, ResetCause, Wiring};
+use crate::board::{Memory, ResetCause};
 use crate::violation::Violation;
 
 /// The peripherals behind the processor: registers, request lines, and events in virtual time.
@@ -50,60 +50,4 @@ pub trait Bus {
 
     /// Until when flash is busy and the processor cannot fetch from it.
     fn stalled_until(&self) -> u64;
-}
-
-impl<W: Wiring> Bus for Board<W> {
-    fn reset(&mut self, now: u64, cause: ResetCause) {
-        self.reset(now, cause);
-    }
-
-    fn read(&mut self, now: u64, address: u32, size: u32, memory: &mut dyn Memory) -> Result<u32, Violation> {
-        self.read(now, address, size, memory)
-    }
-
-    fn write(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        value: u32,
-        memory: &mut dyn Memory,
-    ) -> Result<(), Violation> {
-        self.write(now, address, size, value, memory)
-    }
-
-    fn advance(&mut self, now: u64, memory: &mut dyn Memory) -> Result<(), Violation> {
-        self.advance(now, memory)
-    }
-
-    fn next_event(&self) -> u64 {
-        self.next_event()
-    }
-
-    fn interrupts(&self) -> u128 {
-        self.interrupts()
-    }
-
-    fn ticks_per_cycle(&self) -> u64 {
-        self.ticks_per_cycle()
-    }
-
-    fn take_reset(&mut self) -> Option<ResetCause> {
-        self.take_reset()
-    }
-
-    fn store_to_flash(
-        &mut self,
-        now: u64,
-        address: u32,
-        size: u32,
-        value: u32,
-        memory: &mut dyn Memory,
-    ) -> Result<u32, Violation> {
-        self.store_to_flash(now, address, size, value, memory)
-    }
-
-    fn stalled_until(&self) -> u64 {
-        self.stalled_until()
-    }
 }

@@ -2,6 +2,7 @@
 
 use windhover_hil::board::Memory;
 use windhover_hil::flight::Flight;
+use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, SECOND};
 
 use crate::{firmware, fly, plan};

@@ -3,6 +3,7 @@
 use super::registers::*;
 use std::collections::VecDeque;
 use windhover_hil::board::{Board, Inputs, Memory, Pin, PwmPulse, Usart, Wiring};
+use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, NEVER};
 use windhover_hil::violation::Violation;
 

@@ -3,6 +3,7 @@
 use super::bench::{Bench, FLASH_START, assert_says};
 use super::registers::*;
 use windhover_hil::board::ResetCause;
+use windhover_hil::machine::Bus;
 use windhover_hil::time::MICROSECOND;
 
 const PG: u32 = 1 << 0;

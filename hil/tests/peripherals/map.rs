@@ -2,6 +2,7 @@
 
 use super::bench::{Bench, assert_says};
 use super::registers::*;
+use windhover_hil::machine::Bus;
 use windhover_hil::violation::Violation;
 
 // 2.3, table 1

@@ -3,6 +3,7 @@
 use super::bench::Bench;
 use super::registers::*;
 use windhover_hil::board::{Pin, ResetCause};
+use windhover_hil::machine::Bus;
 use windhover_hil::time::NEVER;
 
 const RMVF: u32 = 1 << 24;

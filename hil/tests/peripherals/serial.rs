@@ -3,6 +3,7 @@
 use super::bench::{Bench, assert_says};
 use super::registers::*;
 use windhover_hil::board::{Pin, Usart};
+use windhover_hil::machine::Bus;
 
 const UE: u32 = 1 << 13;
 const TE: u32 = 1 << 3;

@@ -3,6 +3,7 @@
 use super::bench::{Bench, assert_says};
 use super::registers::*;
 use windhover_hil::board::Pin;
+use windhover_hil::machine::Bus;
 
 /// Master, mode 3, PCLK2 / 8, chip select by software, enabled.
 const RUNNING: u32 = 1 | 1 << 1 | 1 << 2 | 2 << 3 | 1 << 6 | 1 << 8 | 1 << 9;

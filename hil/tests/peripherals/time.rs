@@ -4,6 +4,7 @@ use super::bench::Bench;
 use super::dma::{BYTE, exchange};
 use super::registers::*;
 use windhover_hil::board::{Pin, PwmPulse, Usart};
+use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, NEVER};
 
 /// What the wires saw of SPI by DMA, PWM and a serial port that work at the same time.

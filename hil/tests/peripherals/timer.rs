@@ -2,6 +2,7 @@
 
 use super::bench::{Bench, assert_says};
 use super::registers::*;
+use windhover_hil::machine::Bus;
 
 const CEN: u32 = 1;
 const UDIS: u32 = 1 << 1;

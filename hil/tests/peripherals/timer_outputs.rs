@@ -3,6 +3,7 @@
 use super::bench::{Bench, assert_says};
 use super::registers::*;
 use windhover_hil::board::{Pin, PwmPulse, ResetCause};
+use windhover_hil::machine::Bus;
 
 const CEN: u32 = 1;
 const UG: u32 = 1;

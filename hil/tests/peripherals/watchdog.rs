@@ -3,6 +3,7 @@
 use super::bench::{Bench, assert_says};
 use super::registers::*;
 use windhover_hil::board::ResetCause;
+use windhover_hil::machine::Bus;
 use windhover_hil::time::{NEVER, SECOND};
 
 const UNLOCK: u32 = 0x5555;
