@@ -32,6 +32,10 @@ const KEYS: [&str; 21] = [
     "vehicleType",
 ];
 
+/// The key under which `serde_json` hands over a number as text, in a map of this one entry, where
+/// another package of the same build asks for its `arbitrary_precision`.
+const NUMBER: &str = "$serde_json::private::Number";
+
 /// The most values kept of one file: forty times what the longest mission needs.
 const MOST_VALUES: usize = 200_000;
 
@@ -191,6 +195,9 @@ impl<'de> Visitor<'de> for Pruned<'_> {
             if entries.iter().any(|(seen, _)| *seen == key) {
                 return Err(A::Error::custom(format_args!("`{key}` stands twice")));
             }
+            if key == NUMBER {
+                return number(&map.next_value::<String>()?).map(Json::Number);
+            }
             let most = match key {
                 "items" | "Items" => MAX_ITEMS,
                 _ => MOST_NUMBERS,
@@ -201,7 +208,15 @@ impl<'de> Visitor<'de> for Pruned<'_> {
     }
 }
 
-/// Reads a key and keeps it if it is one of [`KEYS`].
+/// A number from its text, as finite as the file's format has it.
+fn number<E: Error>(text: &str) -> Result<f64, E> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(E::custom("number out of range")),
+    }
+}
+
+/// Reads a key and keeps it if it is one of [`KEYS`], or [`NUMBER`].
 struct Key;
 
 impl<'de> DeserializeSeed<'de> for Key {
@@ -220,6 +235,37 @@ impl<'de> Visitor<'de> for Key {
     }
 
     fn visit_str<E: Error>(self, value: &str) -> Result<Self::Value, E> {
-        Ok(KEYS.into_iter().find(|key| *key == value))
+        Ok(KEYS.into_iter().chain([NUMBER]).find(|key| *key == value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::de::value::{Error as ValueError, MapDeserializer};
+
+    use super::*;
+
+    fn handed_over(text: &'static str) -> Result<Json, ValueError> {
+        let left = Cell::new(10);
+        let seed = Pruned {
+            left: &left,
+            most: MOST_NUMBERS,
+        };
+        seed.deserialize(MapDeserializer::new([(NUMBER, text)].into_iter()))
+    }
+
+    /// Whether a program is built alone or with one that wants numbers as text, it reads the same.
+    #[test]
+    fn a_number_as_text_is_a_number() {
+        for (text, value) in [("47.3977419", 47.3977419), ("-3", -3.0), ("1e-7", 1e-7)] {
+            assert!(
+                matches!(handed_over(text), Ok(Json::Number(read)) if read == value),
+                "{text}"
+            );
+        }
+        for text in ["1e999", "north"] {
+            let refused = handed_over(text).unwrap_err().to_string();
+            assert!(refused.contains("out of range"), "{text}: {refused}");
+        }
     }
 }
