@@ -7,7 +7,8 @@ cargo xtask TASK
                   as root
     --only STEP     only this step (repeatable)
     --fail-fast     stop at the first step that fails
-    --long          the tests' long flights too: sets WINDHOVER_LONG=1 for them
+    --long          the tests' long flights too: sets WINDHOVER_LONG=1 for them;
+                    property tests draw new cases
     --list          say what the steps are, and do nothing
   bench [ARGS]    the benchmarks of windhover-sim; ARGS go to them
   count           instructions of the firmware's steps and of the core's functions
