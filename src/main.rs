@@ -33,7 +33,7 @@ fn main() -> ! {
     use embassy_stm32::wdg::IndependentWatchdog;
     use embassy_time::Instant;
     use static_cell::{ConstStaticCell, StaticCell};
-    use windhover_autopilot::{Inner, InnerConfig, Outer};
+    use windhover_autopilot::{Inner, InnerConfig, OuterConfig, Outer};
     use windhover_flight_log::{Logger, LoggerConfig};
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
@@ -51,7 +51,8 @@ fn main() -> ! {
         board::NAME,
         cause.as_str()
     );
-    let outer = OUTER.init(start::outer(board.storage, store));
+    let outer_config = OuterConfig::default();
+    let outer = OUTER.init(start::outer(board.storage, store, &outer_config));
     let parameters = *outer.parameters();
     let config = InnerConfig {
         imu_rate: parameters.board.imu_rate(),
@@ -64,7 +65,7 @@ fn main() -> ! {
         time: Instant::now().as_micros(),
         inner: config,
         parameters,
-        home: start::HOME,
+        outer: outer_config,
         cause,
     });
     let motors = board::Motors::new(board.motors, parameters.board.pwm_rate as u32);

@@ -1,23 +1,15 @@
 //! What the core starts with: parameters from flash, or defaults.
 
 use embassy_futures::block_on;
-use windhover_autopilot::{Outer, ParameterWrite, Parameters};
-use windhover_math::geodesy::GlobalPosition;
+use windhover_autopilot::{Outer, OuterConfig, ParameterWrite, Parameters};
 use windhover_storage::ParameterStore;
 
 use crate::board::{STORED, Storage};
 use crate::fault;
 
-/// Home, until a receiver says where the vehicle is.
-pub const HOME: GlobalPosition = GlobalPosition {
-    latitude: 0,
-    longitude: 0,
-    altitude: 0,
-};
-
 /// The outer step with the parameters that are stored. Where there is one to `store`, it does that
 /// and starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
-pub fn outer(storage: Storage, store: Option<ParameterWrite>) -> Outer {
+pub fn outer(storage: Storage, store: Option<ParameterWrite>, config: &OuterConfig) -> Outer {
     let mut journal = ParameterStore::new(storage, STORED).expect("whole sectors");
     if let Some(write) = store {
         match block_on(journal.save(usize::from(write.index), write.value)) {
@@ -36,8 +28,9 @@ pub fn outer(storage: Storage, store: Option<ParameterWrite>) -> Outer {
             loaded.corrupt
         );
     }
-    Outer::new(parameters, HOME).unwrap_or_else(|| {
+    Outer::new(parameters, config).unwrap_or_else(|| {
         defmt::error!("the stored parameters describe no vehicle that flies: all are at their defaults");
-        Outer::new(Parameters::default(), HOME).expect("the default parameters describe a vehicle that flies")
+        Outer::new(Parameters::default(), config)
+            .expect("the default parameters describe a vehicle that flies")
     })
 }

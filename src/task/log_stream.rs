@@ -4,9 +4,8 @@ use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
 use embassy_time::Timer;
 use windhover_autopilot::mission::MissionItem;
-use windhover_autopilot::{InnerConfig, Parameters};
+use windhover_autopilot::{InnerConfig, OuterConfig, Parameters};
 use windhover_flight_log::{Header, HeaderWriter, PlanKind, mission_crc, version};
-use windhover_math::geodesy::GlobalPosition;
 
 use crate::board;
 use crate::fault::Cause;
@@ -28,8 +27,8 @@ pub struct Start {
     pub inner: InnerConfig,
     /// The parameter table.
     pub parameters: Parameters,
-    /// Home.
-    pub home: GlobalPosition,
+    /// What the outer step was made with.
+    pub outer: OuterConfig,
     /// Why the microcontroller started.
     pub cause: Cause,
 }
@@ -44,8 +43,7 @@ pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start)
         board: board::NAME,
         inner: start.inner,
         parameters: &start.parameters,
-        home: start.home,
-        declination: 0.0,
+        outer: start.outer,
         reset_cause: &start.cause,
         mission_crc: mission_crc(core::iter::empty()),
         plans: &[],

@@ -356,10 +356,13 @@ impl Inner {
 
     /// Freezes what has come together since the last snapshot.
     fn snapshot(&mut self, tick: u32, queues: &mut Queues) -> Snapshot {
-        let rotation = self.predictor.mark();
+        let next = Increments {
+            gyro_bias: self.predictor.bias(),
+            ..Increments::default()
+        };
         let increments = Increments {
-            rotation,
-            ..core::mem::take(&mut self.increments)
+            rotation: self.predictor.mark(),
+            ..core::mem::replace(&mut self.increments, next)
         };
         Snapshot {
             tick,

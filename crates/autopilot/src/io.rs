@@ -83,6 +83,8 @@ impl MotorCommand {
 pub struct Increments {
     /// The rotation since the last snapshot: body now to body then. Gyro bias taken off.
     pub rotation: Quaternion,
+    /// The gyro bias that was taken off, but for the last tick if a new one came with it, rad/s.
+    pub gyro_bias: Vector3,
     /// Integral of the specific force, in the body axes of the last snapshot, m/s.
     pub velocity: Vector3,
     /// Length of the interval, s.

@@ -9,6 +9,8 @@
 //! come in as data ([`io`], [`queue`]); motor commands and reports go out as data.
 #![no_std]
 
+pub mod aiding;
+pub mod estimation;
 pub mod inner;
 pub mod io;
 pub mod mission;
@@ -19,9 +21,11 @@ pub mod schedule;
 pub mod sensing;
 pub mod trajectory;
 
+pub use aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample};
+pub use estimation::{Estimate, Known, OuterConfig};
 pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
-pub use outer::{Blocker, Estimate, Outer, OuterReport, OuterResult, Phase, Refused};
+pub use outer::{Blocker, Outer, OuterReport, OuterResult, Phase, Refused};
 pub use parameters::{Parameters, Preset};
 pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues};
 pub use schedule::Schedule;

@@ -10,6 +10,8 @@ use windhover_control::position::{AttitudeSetpoint, PositionController, Position
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{GRAVITY, Quaternion, Vector3};
 
+use crate::estimation::handover::Handover;
+use crate::estimation::{Estimate, Estimation, OuterConfig, SensorReport};
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::mission::executor::{MissionEstimate, Surroundings};
 use crate::mission::route::Stored;
@@ -18,17 +20,11 @@ use crate::parameters::Parameters;
 use crate::queue::{Command, MissionCommit, ParameterWrite};
 use crate::schedule::OUTER_RATE;
 
-/// Without an estimate for so long, position is not known any more, µs.
-const ESTIMATE_TIMEOUT: u32 = 500_000;
-
 /// Without an attitude from outside for so long, it is not followed any more, µs.
 const ATTITUDE_TIMEOUT: u32 = 500_000;
 
 /// Above the place of arming by so much, the vehicle flies, m.
 const AIRBORNE_HEIGHT: f32 = 0.3;
-
-/// The world's down axis, NED.
-const DOWN: Vector3 = Vector3::new(0.0, 0.0, 1.0);
 
 /// What the inner step adopts.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +54,12 @@ pub struct OuterReport {
     pub phase: Phase,
     /// The estimate that control worked with.
     pub estimate: Estimate,
+    /// Where positions count from, once that is known.
+    pub origin: Option<GlobalPosition>,
+    /// How the sensors do.
+    pub sensors: SensorReport,
+    /// What the setpoint is shifted by since the estimate made a step.
+    pub handover: Handover,
     /// The point of the path that control followed; `None` when it followed none.
     pub trajectory: Option<TrajectorySetpoint>,
     /// Where the leg that is being flown leads, NED, m; `None` outside missions.
@@ -112,31 +114,11 @@ pub enum Blocker {
     Stopped,
 }
 
-/// What is believed of the vehicle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
-    /// Position, NED, m from home.
-    pub position: Vector3,
-    /// Velocity, NED, m/s.
-    pub velocity: Vector3,
-    /// Attitude, body to world.
-    pub attitude: Quaternion,
-    /// How old the last word from outside is, µs; `None` before the first.
-    pub age: Option<u32>,
-}
-
-impl Estimate {
-    fn is_known(&self) -> bool {
-        self.age.is_some_and(|age| age < ESTIMATE_TIMEOUT)
-    }
-}
-
 /// The outer step with its memory.
 #[derive(Clone, Debug)]
 pub struct Outer {
     parameters: Parameters,
     inner: InnerParameters,
-    frame: LocalFrame,
     stored: Option<Stored>,
     phase: Phase,
     landed: bool,
@@ -146,7 +128,7 @@ pub struct Outer {
     offboard: Option<TrajectorySetpoint>,
     /// The last attitude from outside, and how old it is, µs.
     attitude: Option<(AttitudeSetpoint, u32)>,
-    estimate: Estimate,
+    estimation: Estimation,
     observer: DisturbanceObserver,
     position: PositionController,
     time: Option<u64>,
@@ -154,12 +136,11 @@ pub struct Outer {
 }
 
 impl Outer {
-    /// Disarmed, at the place `home`. `None` when the parameters describe no vehicle that flies.
-    pub fn new(parameters: Parameters, home: GlobalPosition) -> Option<Self> {
+    /// Disarmed, nothing known of where. `None` when the parameters describe no vehicle that flies.
+    pub fn new(parameters: Parameters, config: &OuterConfig) -> Option<Self> {
         Some(Self {
             inner: InnerParameters::new(&parameters)?,
             parameters,
-            frame: LocalFrame::new(home),
             stored: None,
             phase: Phase::Disarmed,
             landed: true,
@@ -167,7 +148,7 @@ impl Outer {
             mission: None,
             offboard: None,
             attitude: None,
-            estimate: Estimate::default(),
+            estimation: Estimation::new(config),
             observer: DisturbanceObserver::default(),
             position: PositionController::default(),
             time: None,
@@ -185,6 +166,15 @@ impl Outer {
         &self.parameters
     }
 
+    /// The estimate with all that it follows from.
+    pub fn estimation(&self) -> &Estimation {
+        &self.estimation
+    }
+
+    fn estimate(&self) -> &Estimate {
+        self.estimation.estimate()
+    }
+
     /// One step on one snapshot.
     pub fn step<S: MissionSource + ?Sized>(&mut self, snapshot: &Snapshot, source: &S) -> OuterResult {
         let dt = self.elapsed(snapshot.time);
@@ -192,7 +182,9 @@ impl Outer {
         for write in &snapshot.inputs.parameter {
             self.write_parameter(write, &mut refusals);
         }
-        self.update_estimate(snapshot, dt);
+        let before = *self.estimate();
+        self.estimation.step(&self.parameters, snapshot, dt, self.landed);
+        self.observe(&before, snapshot);
         if let Some(setpoint) = snapshot
             .inputs
             .setpoint
@@ -219,7 +211,10 @@ impl Outer {
             setpoint,
             OuterReport {
                 phase: self.phase,
-                estimate: self.estimate,
+                estimate: *self.estimate(),
+                origin: self.estimation.frame().map(LocalFrame::origin),
+                sensors: *self.estimation.sensors(),
+                handover: *self.estimation.handover(),
                 trajectory,
                 leg_end: self.mission.as_ref().map(MissionExecutor::leg_end),
                 disturbance: self.observer.disturbance(&self.parameters.observer),
@@ -238,8 +233,8 @@ impl Outer {
         let changed = core::mem::take(&mut self.inner_changed);
         OuterResult {
             tick: snapshot.tick,
-            attitude: self.estimate.attitude,
-            gyro_bias: Vector3::zeros(),
+            attitude: self.estimate().attitude,
+            gyro_bias: self.estimate().gyro_bias,
             motors: self.motors(),
             landed: self.landed || self.has_contact(),
             setpoint,
@@ -313,44 +308,18 @@ impl Outer {
         }
     }
 
-    /// Carries the estimate on by what was measured since the last snapshot; word from outside
-    /// takes its place.
-    fn update_estimate(&mut self, snapshot: &Snapshot, dt: u32) {
-        let before = self.estimate;
-        let increments = &snapshot.increments;
-        let gained = before.attitude.rotate(increments.velocity) + DOWN * (GRAVITY * increments.duration);
-        let carried = Estimate {
-            position: before.position + (before.velocity + gained * 0.5) * increments.duration,
-            velocity: before.velocity + gained,
-            attitude: (before.attitude * increments.rotation).renormalized(),
-            age: before.age.map(|age| age.saturating_add(dt)),
-        };
-        let measured = snapshot
-            .inputs
-            .external
-            .iter()
-            .rev()
-            .find(|external| external.is_valid());
-        self.estimate = measured.map_or(carried, |external| Estimate {
-            position: external.position,
-            velocity: external.velocity,
-            attitude: external.attitude,
-            age: Some(0),
-        });
-        self.observe(&before, snapshot);
-    }
-
     /// Tells the observer what was measured while the vehicle turned from the last attitude to
     /// this one.
     fn observe(&mut self, before: &Estimate, snapshot: &Snapshot) {
         let increments = &snapshot.increments;
-        if self.landed || self.has_contact() || before.age.is_none() || increments.duration <= 0.0 {
+        if self.landed || self.has_contact() || !before.known.attitude || increments.duration <= 0.0 {
             self.observer.reset();
             return;
         }
         let per_second = 1.0 / increments.duration;
-        let force = before.attitude.rotate(increments.velocity) * per_second;
-        let down = (before.attitude.down_axis() + self.estimate.attitude.down_axis()) * 0.5;
+        let own = increments.velocity * per_second - before.accel_bias;
+        let force = before.attitude.rotate(own);
+        let down = (before.attitude.down_axis() + self.estimate().attitude.down_axis()) * 0.5;
         let thrust = down * (-increments.thrust * per_second / self.parameters.vehicle.mass);
         self.observer
             .step(&self.parameters.observer, force, thrust, increments.duration);
@@ -365,10 +334,11 @@ impl Outer {
     ) -> Result<(), Blocker> {
         match command {
             Command::Arm if stopped => Err(Blocker::Stopped),
-            Command::Arm if !self.estimate.is_known() && self.attitude.is_none() => Err(Blocker::NoEstimate),
+            Command::Arm if !self.may_arm() => Err(Blocker::NoEstimate),
             Command::Arm if self.phase == Phase::Disarmed => {
                 self.phase = Phase::Armed;
-                self.ground = self.estimate.position.z;
+                self.ground = self.estimate().position.z;
+                self.estimation.forget_steps();
                 Ok(())
             }
             Command::Arm => Ok(()),
@@ -379,7 +349,7 @@ impl Outer {
             }
             Command::StartMission => self.start_mission(source),
             Command::StartOffboard if self.phase == Phase::Disarmed => Err(Blocker::NotArmed),
-            Command::StartOffboard if !self.estimate.is_known() => Err(Blocker::NoEstimate),
+            Command::StartOffboard if !self.estimate().known.position => Err(Blocker::NoEstimate),
             Command::StartOffboard if self.offboard.is_none() => Err(Blocker::NoSetpoint),
             Command::StartOffboard => {
                 self.phase = Phase::Offboard;
@@ -394,6 +364,12 @@ impl Outer {
             }
             Command::CommitMission(commit) => self.commit_mission(&commit, source),
         }
+    }
+
+    /// Whether enough is known: the position, or the attitude where that is all that is asked for.
+    fn may_arm(&self) -> bool {
+        let known = &self.estimate().known;
+        known.position || (known.attitude && self.attitude.is_some())
     }
 
     /// Whether the ground already holds a vehicle that comes down to land.
@@ -419,7 +395,8 @@ impl Outer {
             slot: commit.slot,
             count: commit.count,
         };
-        let checked = check(source, stored, self.frame.origin(), &self.parameters.mission);
+        let home = self.estimation.frame().map(LocalFrame::origin);
+        let checked = check(source, stored, home, &self.parameters.mission);
         self.stored = checked.is_ok().then_some(stored);
         checked.map_err(|_| Blocker::NoMission)
     }
@@ -428,16 +405,20 @@ impl Outer {
         if self.phase == Phase::Disarmed {
             return Err(Blocker::NotArmed);
         }
-        if !self.estimate.is_known() {
+        let estimate = self.estimate();
+        let Some(frame) = self.estimation.frame().filter(|_| estimate.known.position) else {
             return Err(Blocker::NoEstimate);
-        }
+        };
         let stored = self.stored.ok_or(Blocker::NoMission)?;
-        let heading = self.estimate.attitude.heading();
+        // It may have been stored before there was a home.
+        check(source, stored, Some(frame.origin()), &self.parameters.mission)
+            .map_err(|_| Blocker::NoMission)?;
+        let heading = estimate.attitude.heading();
         let around = Surroundings {
             source,
-            frame: &self.frame,
+            frame,
             parameters: &self.parameters.mission,
-            estimate: mission_estimate(&self.estimate, self.landed),
+            estimate: mission_estimate(estimate, self.landed),
         };
         let mission = MissionExecutor::start(stored, &around, heading);
         self.mission = Some(mission.ok_or(Blocker::NoMission)?);
@@ -453,7 +434,7 @@ impl Outer {
         events: &mut MissionEvents,
     ) -> Option<TrajectorySetpoint> {
         let flying = matches!(self.phase, Phase::Mission | Phase::Offboard);
-        if flying && self.landed && self.estimate.position.z < self.ground - AIRBORNE_HEIGHT {
+        if flying && self.landed && self.estimate().position.z < self.ground - AIRBORNE_HEIGHT {
             self.landed = false;
         }
         match self.phase {
@@ -462,9 +443,9 @@ impl Outer {
             Phase::Mission => {
                 let around = Surroundings {
                     source,
-                    frame: &self.frame,
+                    frame: self.estimation.frame()?,
                     parameters: &self.parameters.mission,
-                    estimate: mission_estimate(&self.estimate, self.landed),
+                    estimate: mission_estimate(self.estimation.estimate(), self.landed),
                 };
                 let (setpoint, happened) = self.mission.as_mut()?.step(&around, dt);
                 *events = happened;
@@ -484,21 +465,23 @@ impl Outer {
         dt: u32,
     ) -> AttitudeSetpoint {
         let level = AttitudeSetpoint {
-            attitude: Quaternion::from_heading(self.estimate.attitude.heading()),
+            attitude: Quaternion::from_heading(self.estimate().attitude.heading()),
             rate: Vector3::zeros(),
             thrust: self.inner.descent_thrust(),
         };
-        let Some(trajectory) = trajectory.filter(|_| self.estimate.is_known()) else {
+        let Some(trajectory) = trajectory.filter(|_| self.estimate().known.position) else {
             self.position.reset();
             return match self.attitude {
                 Some((setpoint, _)) if self.phase == Phase::Attitude => setpoint,
                 _ => level,
             };
         };
+        let believed = self.estimation.estimate();
+        let trajectory = self.estimation.handover().shifted(trajectory);
         let estimate = PositionEstimate {
-            position: self.estimate.position,
-            velocity: self.estimate.velocity,
-            attitude: self.estimate.attitude,
+            position: believed.position,
+            velocity: believed.velocity,
+            attitude: believed.attitude,
             disturbance: self.observer.disturbance(&self.parameters.observer),
         };
         let shortfall = snapshot.increments.thrust_shortfall;
@@ -510,7 +493,7 @@ impl Outer {
         let setpoint = self.position.step(
             &self.parameters.position,
             &self.parameters.vehicle,
-            trajectory,
+            &trajectory,
             &estimate,
             if self.landed { 0.0 } else { mean_shortfall },
             dt as f32 * 1e-6,

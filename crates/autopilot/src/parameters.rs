@@ -6,6 +6,9 @@ use windhover_control::observer::ObserverParameters;
 use windhover_control::position::PositionParameters;
 use windhover_parameters::{parameter_groups, parameters};
 
+use windhover_estimator::NoiseParameters;
+
+use crate::estimation::EstimationParameters;
 use crate::mission::MissionParameters;
 use crate::sensing::CalibrationParameters;
 
@@ -42,6 +45,8 @@ parameter_groups! {
         mission: MissionParameters,
         calibration: CalibrationParameters,
         board: BoardParameters,
+        estimation: EstimationParameters,
+        noise: NoiseParameters,
     }
 }
 

@@ -9,6 +9,8 @@ use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3, scalar};
 
+use crate::aiding::{BarometerSample, CompassSample, GnssSample};
+
 /// A bounded queue that counts what it could not take.
 #[derive(Clone, Debug)]
 pub struct Queue<T, const CAPACITY: usize> {
@@ -109,6 +111,12 @@ outer_inputs! {
     setpoint: TrajectorySetpoint, 2, 2;
     /// Attitude and thrust from outside.
     attitude: AttitudeSetpoint, 2, 2;
+    /// The barometer.
+    barometer: BarometerSample, 4, 2;
+    /// The compass.
+    compass: CompassSample, 4, 2;
+    /// The satellite receiver.
+    gnss: GnssSample, 2, 1;
 }
 
 /// Position, velocity and attitude as somebody outside knows them, at the time of the snapshot.

@@ -112,6 +112,7 @@ impl Alignment {
                 time: 0,
                 field: Vector3::zeros(),
                 deviation: 1.0,
+                repeats: 1.0,
                 declination: 0.0,
             },
         }
@@ -198,7 +199,13 @@ impl Alignment {
         Quaternion::from_euler(Euler { roll, pitch, yaw })
     }
 
-    /// The filter at `time`, µs, at this place (NED, m), known so well (m).
+    /// The mean field, FRD, once there was one.
+    pub fn field(&self) -> Option<Vector3> {
+        (self.fields >= 1.0).then_some(self.field)
+    }
+
+    /// The filter at `time`, µs, at this place (NED, m), known so well (m). Without a field the
+    /// heading is as good as unknown.
     pub fn finish(
         &self,
         position: Vector3,
@@ -206,7 +213,7 @@ impl Alignment {
         noise: &NoiseParameters,
         time: u64,
     ) -> Result<Filter, Refusal> {
-        if self.intervals < 1.0 || self.fields < 1.0 {
+        if self.intervals < 1.0 {
             return Err(Refusal::Blind);
         }
         // Of each component, by the spread of all three over 3 n intervals.
@@ -232,11 +239,14 @@ impl Alignment {
         };
         let mut filter = Filter::new(&start, noise, time)?;
         filter.fuse_gravity_force(self.force, force)?;
-        filter.fuse_compass(&MagneticField {
-            time,
-            field: self.field,
-            ..self.last_field
-        })?;
+        if self.fields >= 1.0 {
+            filter.fuse_compass(&MagneticField {
+                time,
+                field: self.field,
+                repeats: 1.0,
+                ..self.last_field
+            })?;
+        }
         Ok(filter)
     }
 }

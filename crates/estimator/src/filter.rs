@@ -276,6 +276,17 @@ impl Filter {
         Report { tests, verdict, step }
     }
 
+    /// A measurement that failed the gate of a sensor that is never given in to.
+    #[cold]
+    pub(crate) fn rejected<const N: usize>(&mut self, sensor: Sensor, tests: [Test; N]) -> Report<N> {
+        self.monitors[sensor as usize].reject();
+        Report {
+            tests,
+            verdict: Verdict::Rejected,
+            step: None,
+        }
+    }
+
     /// One scalar that measures a state directly: how it compares.
     #[inline(always)]
     pub(crate) fn test_direct(&self, reference: Reference, axis: Axis, innovation: f32, noise: f32) -> Test {

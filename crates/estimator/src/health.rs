@@ -26,7 +26,22 @@ pub enum Sensor {
 }
 
 /// Number of [`Sensor`]s.
-pub const SENSORS: usize = 9;
+pub const SENSORS: usize = Sensor::ALL.len();
+
+impl Sensor {
+    /// All of them, in their order.
+    pub const ALL: [Self; 9] = [
+        Self::GnssPosition,
+        Self::GnssHeight,
+        Self::GnssVelocity,
+        Self::Barometer,
+        Self::Compass,
+        Self::Heading,
+        Self::Rest,
+        Self::Gravity,
+        Self::Pose,
+    ];
+}
 
 /// How a sensor does. Ages are the time since its last accepted measurement, µs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,8 +104,7 @@ impl Monitor {
             self.last = Some(now);
             return Verdict::Accepted;
         }
-        self.rejected = self.rejected.saturating_add(1);
-        self.consecutive = self.consecutive.saturating_add(1);
+        self.reject();
         let needed = if self.is_late(policy, now) {
             INSISTENCE
         } else {
@@ -103,6 +117,13 @@ impl Monitor {
         self.consecutive = 0;
         self.last = Some(now);
         Verdict::Reset
+    }
+
+    /// Counts a measurement that failed the gate.
+    #[inline]
+    pub(crate) fn reject(&mut self) {
+        self.rejected = self.rejected.saturating_add(1);
+        self.consecutive = self.consecutive.saturating_add(1);
     }
 
     /// How the sensor does at `now`, µs.

@@ -52,6 +52,12 @@ impl AttitudePredictor {
         self.since
     }
 
+    /// The gyro bias that is taken off, FRD, rad/s.
+    #[inline]
+    pub fn bias(&self) -> Vector3 {
+        self.bias
+    }
+
     /// Body rate now, FRD, rad/s, without the bias.
     #[inline]
     pub fn rate(&self) -> Vector3 {

@@ -12,7 +12,7 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::inputs::FlatCommand;
-use crate::views::{blocker_code, motor_state_code, phase_code, refusal_code};
+use crate::views::{blocker_code, known_code, motor_state_code, phase_code, refusal_code};
 
 const PRIME: u32 = 16_777_619;
 
@@ -74,9 +74,14 @@ pub fn result_hash(result: &OuterResult) -> u32 {
 
 fn report(lanes: &mut Lanes, report: &OuterReport) {
     let estimate = &report.estimate;
-    lanes.vector(&estimate.position, u32::from(estimate.age.is_some()));
-    lanes.vector(&estimate.velocity, estimate.age.unwrap_or_default());
+    let accuracy = &estimate.accuracy;
+    lanes.vector(&estimate.position, u32::from(known_code(estimate.known)));
+    lanes.vector(&estimate.velocity, accuracy.horizontal.to_bits());
     lanes.quaternion(&estimate.attitude);
+    lanes.vector(&estimate.accel_bias, accuracy.heading.to_bits());
+    let handover = &report.handover;
+    lanes.vector(&handover.position, handover.heading.to_bits());
+    lanes.vector(&handover.velocity, report.sensors.rejected);
     lanes.vector(&report.disturbance, u32::from(report.leg_end.is_some()));
     lanes.vector(
         &report.leg_end.unwrap_or_default(),

@@ -4,8 +4,8 @@
 //! is needed. The order: flags, infos, parameters, formats, subscriptions, stored items.
 
 use windhover_autopilot::mission::MissionItem;
-use windhover_autopilot::{InnerConfig, Parameters};
-use windhover_math::geodesy::GlobalPosition;
+use windhover_autopilot::sensing::BoardRotation;
+use windhover_autopilot::{InnerConfig, OuterConfig, Parameters};
 
 use crate::plan::{Plan, PlanItem, PlanKind};
 use crate::record::{Description, Record, Topic, data};
@@ -17,7 +17,7 @@ use crate::wire::{Encoder, FILE_HEADER, MAGIC, VERSION, kind, message};
 pub const CHUNK: usize = 512;
 
 /// Version of what we write into ULog's frame; a reader knows one.
-pub const LOG_VERSION: u32 = 1;
+pub const LOG_VERSION: u32 = 2;
 
 /// The most bytes of a text; what is longer is cut.
 const TEXT: usize = 200;
@@ -102,10 +102,8 @@ pub struct Header<'a> {
     pub inner: InnerConfig,
     /// Parameters as loaded, calibration among them.
     pub parameters: &'a Parameters,
-    /// Home.
-    pub home: GlobalPosition,
-    /// Declination, rad.
-    pub declination: f32,
+    /// Home, declination and compass.
+    pub outer: OuterConfig,
     /// Why the core started.
     pub reset_cause: &'a str,
     /// CRC of the stored mission.
@@ -124,7 +122,11 @@ impl Header<'_> {
 
     /// The info message with that index; `None` beyond the last.
     fn info(&self, index: usize) -> Option<(&str, InfoValue<'_>)> {
-        let [[a, b, c], [d, e, f], [g, h, i]] = self.inner.rotation.0;
+        let flat = |BoardRotation([[a, b, c], [d, e, f], [g, h, i]])| {
+            InfoValue::I8x9([a, b, c, d, e, f, g, h, i])
+        };
+        let outer = &self.outer;
+        let home = outer.home.unwrap_or_default();
         let own = [
             ("sys_name", InfoValue::Text("Windhover")),
             ("ver_sw", InfoValue::Text(self.commit)),
@@ -133,11 +135,14 @@ impl Header<'_> {
             ("log_version", InfoValue::U32(LOG_VERSION)),
             ("imu_rate", InfoValue::U32(self.inner.imu_rate)),
             ("imu_k", InfoValue::U32(self.inner.k())),
-            ("imu_rotation", InfoValue::I8x9([a, b, c, d, e, f, g, h, i])),
-            ("home_lat", InfoValue::I32(self.home.latitude)),
-            ("home_lon", InfoValue::I32(self.home.longitude)),
-            ("home_alt", InfoValue::I32(self.home.altitude)),
-            ("declination", InfoValue::F32(self.declination)),
+            ("imu_rotation", flat(self.inner.rotation)),
+            ("home_known", InfoValue::U32(u32::from(outer.home.is_some()))),
+            ("home_lat", InfoValue::I32(home.latitude)),
+            ("home_lon", InfoValue::I32(home.longitude)),
+            ("home_alt", InfoValue::I32(home.altitude)),
+            ("declination", InfoValue::F32(outer.declination)),
+            ("mag_ut_per_count", InfoValue::F32(outer.compass.per_count)),
+            ("mag_rotation", flat(outer.compass.rotation)),
             ("reset_cause", InfoValue::Text(self.reset_cause)),
             ("mission_slot", InfoValue::U32(u32::from(self.mission().slot))),
             ("mission_count", InfoValue::U32(u32::from(self.mission().count))),

@@ -3,10 +3,11 @@
 //! A kind is declared once, below. Items carry the tick of the boundary at which they were frozen.
 
 use windhover_autopilot::{
-    Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues, Urgent,
+    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, MissionCommit, OuterInputs, ParameterWrite, Queues, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
+use windhover_math::geodesy::GlobalPosition;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::record;
@@ -95,6 +96,9 @@ inputs! {
     command: Command(Command) = 9, "input_command";
     parameter: Parameter(ParameterWrite) = 10, "input_parameter" { index: u16, value: f32 };
     setpoint: Setpoint(TrajectorySetpoint) = 11, "input_setpoint" { position: Vector3, velocity: Vector3, acceleration: Vector3, jerk: Vector3, heading: f32, heading_rate: f32 };
+    barometer: Barometer(BarometerSample) = 13, "input_barometer" { time: u64, pressure: f32 };
+    compass: Compass(CompassSample) = 14, "input_compass" { time: u64, counts: [i16; 3] };
+    gnss: Gnss(GnssSample) = 15, "input_gnss" { time: u64, position: GlobalPosition, velocity: [i32; 3], horizontal_accuracy: u32, vertical_accuracy: u32, speed_accuracy: u32, fix: u8, satellites: u8 };
     attitude: Attitude(AttitudeSetpoint) = 12, "input_attitude" { attitude: Quaternion, rate: Vector3, thrust: f32 };
 }
 

@@ -1,5 +1,6 @@
 //! Values as ULog knows them: scalars and arrays of scalars.
 
+use windhover_math::geodesy::GlobalPosition;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::wire::{Decoder, Encoder};
@@ -133,6 +134,25 @@ impl Value for Vector3 {
     fn get(from: &mut Decoder<'_>) -> Option<Self> {
         let [x, y, z] = Value::get(from)?;
         Some(Self::new(x, y, z))
+    }
+}
+
+/// Latitude and longitude in 1e-7 degree, altitude in mm.
+impl Value for GlobalPosition {
+    const SCALAR: Scalar = Scalar::I32;
+    const COUNT: u8 = 3;
+    #[inline]
+    fn put(&self, out: &mut Encoder<'_>) {
+        [self.latitude, self.longitude, self.altitude].put(out);
+    }
+    #[inline]
+    fn get(from: &mut Decoder<'_>) -> Option<Self> {
+        let [latitude, longitude, altitude] = Value::get(from)?;
+        Some(Self {
+            latitude,
+            longitude,
+            altitude,
+        })
     }
 }
 

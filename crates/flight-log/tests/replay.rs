@@ -73,8 +73,8 @@ fn the_core_repeats_the_flight() {
         let log = Log::open(&flown.log).unwrap();
         let setup = CoreSetup::new(&log).unwrap();
         assert_eq!(setup.parameters, common::parameters());
-        assert_eq!(setup.home, common::HOME);
-        let mut outer = Outer::new(setup.parameters, setup.home).unwrap();
+        assert_eq!(setup.outer, common::outer_config());
+        let mut outer = Outer::new(setup.parameters, &setup.outer).unwrap();
         let mut inner = Inner::new(setup.inner, outer.inner_parameters());
         let thrust_max = LoggerConfig::new(setup.inner, &setup.parameters).thrust_max;
         let (mut mailboxes, mut result) = (Mailboxes::default(), None);

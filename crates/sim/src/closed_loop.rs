@@ -5,9 +5,12 @@ use windhover_autopilot::{
     ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer,
     OuterResult, ScheduleRecord, Snapshot, Urgent,
 };
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::random::Random;
 use windhover_model::{Truth, World};
+
+use crate::sensors::Sensing;
 
 /// Ways in which a real board disturbs the schedule, drawn at random from a seed.
 #[derive(Clone, Debug)]
@@ -102,6 +105,15 @@ impl<A: Recorder, B: Recorder> Recorder for (&mut A, &mut B) {
 /// estimate on in between.
 const EXTERNAL_PERIOD_US: u64 = 20_000;
 
+/// Where the core's estimate comes from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// The truth, as word from outside.
+    Truth,
+    /// Sensors.
+    Sensors(Box<Sensing>),
+}
+
 /// A vehicle in its world, flown by the core.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
@@ -117,6 +129,11 @@ pub struct ClosedLoop {
     /// A result that is not ready yet, and how many boundaries it is still late.
     late: Option<(OuterResult, u32)>,
     disruption: Option<Disruption>,
+    source: Source,
+    home: GlobalPosition,
+    /// From the world's origin to the core's, m: a receiver that errs puts the core's elsewhere.
+    /// Heights count from the ground in both.
+    origin: Option<Vector3<f64>>,
     period: f64,
     period_us: u64,
     time_us: u64,
@@ -124,8 +141,14 @@ pub struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    /// The core `outer` in `world`, with the mission that is stored on board.
-    pub fn new(world: World, config: InnerConfig, outer: Outer, mission: Vec<MissionItem>) -> Self {
+    /// The core `outer` in `world`, which lies at `home`, with the mission that is stored on board.
+    pub fn new(
+        world: World,
+        config: InnerConfig,
+        outer: Outer,
+        mission: Vec<MissionItem>,
+        home: GlobalPosition,
+    ) -> Self {
         Self {
             world,
             mailboxes: Mailboxes::default(),
@@ -135,6 +158,9 @@ impl ClosedLoop {
             mission,
             late: None,
             disruption: None,
+            source: Source::Truth,
+            home,
+            origin: None,
             period: 1.0 / f64::from(config.imu_rate),
             period_us: 1_000_000 / u64::from(config.imu_rate),
             time_us: 0,
@@ -145,6 +171,12 @@ impl ClosedLoop {
     /// The same, with results that come late and samples that are missing.
     pub fn disrupted(mut self, disruption: Disruption) -> Self {
         self.disruption = Some(disruption);
+        self
+    }
+
+    /// The same on sensors.
+    pub fn sensing(mut self, sensing: Sensing) -> Self {
+        self.source = Source::Sensors(Box::new(sensing));
         self
     }
 
@@ -161,14 +193,13 @@ impl ClosedLoop {
     /// One tick: the core on a sample of the world, then the world under the core's command.
     #[inline]
     pub fn tick<R: Recorder>(&mut self, recorder: &mut R) {
-        let truth = self.world.truth();
+        let mut truth = self.world.truth();
         let input = self.input(&truth);
         self.release();
-        let schedule = self.inner.schedule();
-        let taken = schedule.at_boundary() && (self.mailboxes.result.is_some() || !schedule.is_busy());
-        if taken && self.time_us >= self.next_external_us {
-            self.next_external_us = self.time_us + EXTERNAL_PERIOD_US;
-            self.mailboxes.queues.external.push(external(&truth));
+        if matches!(self.source, Source::Truth) {
+            self.tell(&truth);
+        } else {
+            self.find_origin(&mut truth);
         }
         let output = self.inner.tick(&input, &mut self.mailboxes);
         recorder.tick(&truth, &input, output.motors, output.record);
@@ -183,19 +214,44 @@ impl ClosedLoop {
         self.time_us += self.period_us;
     }
 
+    /// Word from outside, when it is due and taken in.
+    #[inline]
+    fn tell(&mut self, truth: &Truth) {
+        let schedule = self.inner.schedule();
+        let taken = schedule.at_boundary() && (self.mailboxes.result.is_some() || !schedule.is_busy());
+        if taken && self.time_us >= self.next_external_us {
+            self.next_external_us = self.time_us + EXTERNAL_PERIOD_US;
+            self.mailboxes.queues.external.push(external(truth));
+        }
+    }
+
+    /// What is recorded of the truth counts from the core's origin, as all else that is recorded.
+    fn find_origin(&mut self, truth: &mut Truth) {
+        if self.origin.is_none()
+            && let Some(frame) = self.outer.estimation().frame()
+        {
+            let away = LocalFrame::new(self.home).to_local(frame.origin());
+            self.origin = Some(Vector3::new(f64::from(away.x), f64::from(away.y), 0.0));
+        }
+        truth.position -= self.origin.unwrap_or_default();
+    }
+
     #[inline]
     fn input(&mut self, truth: &Truth) -> InnerInput {
+        let measured = match &mut self.source {
+            Source::Truth => Some(counts(truth)),
+            Source::Sensors(sensing) => sensing.advance(truth, self.time_us, &mut self.mailboxes.queues),
+        };
         let missing = self.disruption.as_mut().is_some_and(Disruption::is_missing);
-        let imu = if missing {
+        let imu = match measured.filter(|_| !missing) {
             // The time-out tick comes half a period later than the sample would have.
-            Imu::Missing {
+            None => Imu::Missing {
                 time: self.time_us + self.period_us / 2,
-            }
-        } else {
-            Imu::Sample {
-                counts: counts(truth),
+            },
+            Some(counts) => Imu::Sample {
+                counts,
                 time: self.time_us,
-            }
+            },
         };
         InnerInput {
             imu,

@@ -73,6 +73,15 @@ pub struct Figures {
     pub rmse_m: Axes,
     /// Largest magnitude of the same, m.
     pub max_error_m: Axes,
+    /// Root mean square of what the receiver said of the position less the truth of that moment,
+    /// m; nothing in flights on the truth.
+    pub gnss_rmse_m: Option<Axes>,
+    /// Root mean square of estimated less true position, m; nothing in flights on the truth.
+    pub estimate_rmse_m: Option<Axes>,
+    /// Root mean square of the estimated vertical's angle from the true one, degrees.
+    pub attitude_rmse_deg: Option<f64>,
+    /// Root mean square of estimated less true heading, degrees.
+    pub heading_rmse_deg: Option<f64>,
     /// Root mean square of the distance from the polyline of the mission, m.
     pub cross_track_rmse_m: f64,
     /// Largest true tilt, degrees.
@@ -115,9 +124,41 @@ impl ErrorSum {
         Axes::from(self.squares.map(|sum| (sum / count).sqrt()))
     }
 
+    /// Root mean square, where there was anything.
+    pub fn rms_of_any(&self) -> Option<Axes> {
+        (self.count > 0).then(|| self.rms())
+    }
+
     /// Largest magnitudes.
     pub fn largest(&self) -> Axes {
         Axes::from(self.largest)
+    }
+}
+
+/// Sums up errors of one number.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScalarErrorSum {
+    squares: f64,
+    largest: f64,
+    count: u64,
+}
+
+impl ScalarErrorSum {
+    /// Adds an error.
+    pub fn add(&mut self, error: f64) {
+        self.squares += error * error;
+        self.largest = windhover_math::max(self.largest, error.abs());
+        self.count += 1;
+    }
+
+    /// Root mean square, where there was anything.
+    pub fn rms_of_any(&self) -> Option<f64> {
+        (self.count > 0).then(|| (self.squares / self.count as f64).sqrt())
+    }
+
+    /// Largest magnitude.
+    pub fn largest(&self) -> f64 {
+        self.largest
     }
 }
 

@@ -3,23 +3,28 @@
 use windhover_autopilot::mission::route::Stored;
 use windhover_autopilot::mission::{MissionEvent, Refusal, check};
 use windhover_autopilot::{
-    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterResult, ParameterWrite,
+    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterConfig, OuterResult, ParameterWrite,
     Parameters, Preset, Refused, ScheduleRecord, Snapshot,
 };
 use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::{Conditions, Integrator, ModelKind, Truth, Vehicle, World};
 
+use crate::beliefs::BeliefErrors;
 use crate::closed_loop::{ClosedLoop, Disruption, Recorder};
 use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_polyline};
 use crate::mission_file::MissionFile;
 use crate::report::Event;
+use crate::sensors::{EarthField, Sensing, Sensors, compass_fitting};
 
 /// Below this height a vehicle has not left the ground, m.
 const ON_GROUND: f64 = 0.02;
 
 /// A vehicle that tries for so long and does not leave the ground is too heavy, s.
 const TRIES: f64 = 30.0;
+
+/// A vehicle that does not know where it is after so long is not waited for, s.
+const PATIENCE: f64 = 60.0;
 
 /// A flight that has not come to its end by then is ended, s.
 const TIME_LIMIT: f64 = 4.0 * 3600.0;
@@ -44,6 +49,8 @@ pub struct Setup {
     pub imu_rate: u32,
     /// Late results and missing samples.
     pub disruption: Option<Disruption>,
+    /// The sensors that it is flown on; without, the core is told the truth.
+    pub sensors: Option<Sensors>,
     /// Writes to the parameter table in flight: when (s), and what.
     pub writes: Vec<(f64, ParameterWrite)>,
 }
@@ -59,6 +66,7 @@ impl Setup {
             conditions: Conditions::reference(),
             imu_rate: 1000,
             disruption: None,
+            sensors: None,
             writes: Vec::new(),
         }
     }
@@ -87,9 +95,24 @@ impl Setup {
         Ok(parameters)
     }
 
+    /// What the outer step is made with, at a place. On sensors it finds out itself where it is.
+    pub fn outer_config(&self, home: GlobalPosition) -> OuterConfig {
+        if self.sensors.is_none() {
+            return OuterConfig {
+                home: Some(home),
+                ..OuterConfig::default()
+            };
+        }
+        OuterConfig {
+            home: None,
+            declination: EarthField::at(home).map_or(0.0, |earth| earth.declination),
+            compass: compass_fitting(),
+        }
+    }
+
     /// The outer step as it is at the start.
     pub fn outer(&self, home: GlobalPosition) -> Result<Outer, SetupError> {
-        Outer::new(self.parameters()?, home).ok_or(SetupError::Vehicle)
+        Outer::new(self.parameters()?, &self.outer_config(home)).ok_or(SetupError::Vehicle)
     }
 
     /// The world at the start.
@@ -166,7 +189,7 @@ pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(
     check(
         mission.items.as_slice(),
         stored,
-        home(mission),
+        Some(home(mission)),
         &parameters.mission,
     )
     .map_err(|(index, refusal)| SetupError::Mission {
@@ -179,7 +202,18 @@ pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(
 pub fn closed_loop(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
     let outer = setup.outer(home(mission))?;
     check_mission(mission, outer.parameters())?;
-    let flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, mission.items.clone());
+    let home = home(mission);
+    let mut flown = ClosedLoop::new(
+        setup.world(),
+        setup.inner_config(),
+        outer,
+        mission.items.clone(),
+        home,
+    );
+    if let Some(sensors) = &setup.sensors {
+        let seed = setup.conditions.seed;
+        flown = flown.sensing(Sensing::new(sensors, &setup.vehicle, home, setup.imu_rate, seed));
+    }
     Ok(match &setup.disruption {
         Some(disruption) => flown.disrupted(disruption.clone()),
         None => flown,
@@ -195,7 +229,8 @@ pub fn fly<R: Recorder>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Flight, SetupError> {
     let mut flown = ready(setup, mission)?;
-    let mut watch = Watch::new(mission.items.len());
+    let mut starter = Starter::new(setup);
+    let mut watch = Watch::new(mission.items.len(), setup, home(mission));
     let rate = f64::from(setup.imu_rate);
     let mut writes = setup.writes.iter().peekable();
     let mut tick = 0u64;
@@ -204,6 +239,7 @@ pub fn fly<R: Recorder>(
         while let Some((_, write)) = writes.next_if(|(at, _)| *at <= time) {
             flown.mailboxes.queues.parameter.push(*write);
         }
+        starter.step(&mut flown, time);
         flown.tick(&mut (&mut watch, &mut *recorder));
         tick += 1;
         if tick.is_multiple_of(u64::from(setup.imu_rate)) {
@@ -216,7 +252,41 @@ pub fn fly<R: Recorder>(
     Ok(watch.finish(ended, &flown.world, setup))
 }
 
-/// A mission that starts with the first tick: stored, armed, and begun.
+/// Gives the word to arm and to start when the vehicle knows where it is.
+struct Starter {
+    waits: bool,
+    known_since: Option<f64>,
+}
+
+/// The position must have been known for so long, s.
+const SETTLED: f64 = 2.0;
+
+impl Starter {
+    fn new(setup: &Setup) -> Self {
+        Self {
+            waits: setup.sensors.is_some(),
+            known_since: None,
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, flown: &mut ClosedLoop, time: f64) {
+        if !self.waits {
+            return;
+        }
+        if !flown.outer().estimation().estimate().known.position {
+            self.known_since = None;
+        } else if time - *self.known_since.get_or_insert(time) >= SETTLED {
+            self.waits = false;
+            for command in [Command::Arm, Command::StartMission] {
+                flown.mailboxes.queues.command.push(command);
+            }
+        }
+    }
+}
+
+/// A mission about to start: stored, and where the core is told the truth, armed and begun with
+/// the first tick.
 pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
     let mut flown = closed_loop(setup, mission)?;
     let commit = MissionCommit {
@@ -224,12 +294,11 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
         count: mission.items.len() as u16,
         crc: windhover_flight_log::mission_crc(mission.items.iter().copied()),
     };
-    for command in [
-        Command::CommitMission(commit),
-        Command::Arm,
-        Command::StartMission,
-    ] {
-        flown.mailboxes.queues.command.push(command);
+    let commands = &mut flown.mailboxes.queues.command;
+    commands.push(Command::CommitMission(commit));
+    if setup.sensors.is_none() {
+        commands.push(Command::Arm);
+        commands.push(Command::StartMission);
     }
     Ok(flown)
 }
@@ -244,6 +313,9 @@ fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
         Some((false, format!("refused at {time:.3} s: {refused}")))
     } else if watch.finished {
         Some((true, format!("mission completed at {time:.1} s")))
+    } else if !watch.has_started() && time >= PATIENCE {
+        let text = format!("given up at {time:.1} s: the vehicle does not know where it is");
+        Some((false, text))
     } else if watch.tries_for(time) >= TRIES {
         let text = format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground");
         Some((false, text))
@@ -256,6 +328,7 @@ fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
 
 /// Sums a flight up while it is flown.
 struct Watch {
+    beliefs: BeliefErrors,
     items: usize,
     item: usize,
     hash: MotorHash,
@@ -293,9 +366,11 @@ impl Recorder for Watch {
         for refused in &result.report.refusals {
             self.refuse(refused);
         }
+        self.beliefs.look(truth, snapshot, result);
         let Some(setpoint) = result.report.trajectory else {
             return;
         };
+        self.beliefs.add(truth, result);
         let wanted = setpoint.position.map(f64::from);
         if self.started.is_none() {
             self.started = Some(truth.time);
@@ -317,8 +392,9 @@ impl Recorder for Watch {
 }
 
 impl Watch {
-    fn new(items: usize) -> Self {
+    fn new(items: usize, setup: &Setup, home: GlobalPosition) -> Self {
         Self {
+            beliefs: BeliefErrors::new(setup, home),
             items,
             item: 0,
             hash: MotorHash::default(),
@@ -338,6 +414,10 @@ impl Watch {
             saturated: 0,
             time: 0.0,
         }
+    }
+
+    fn has_started(&self) -> bool {
+        self.started.is_some()
     }
 
     fn tries_for(&self, time: f64) -> f64 {
@@ -432,6 +512,17 @@ impl Watch {
                 text,
             });
         }
+        for fault in setup.sensors.iter().flat_map(|sensors| &sensors.faults) {
+            let span = if fault.duration.is_finite() {
+                format!("for {} s", fault.duration)
+            } else {
+                "from here on".into()
+            };
+            self.events.push(Event {
+                time: fault.start as f32,
+                text: format!("fault {} {span}: {}", fault.name(), fault.text()),
+            });
+        }
         self.events.sort_by(|a, b| a.time.total_cmp(&b.time));
         let figures = Figures {
             completed,
@@ -441,6 +532,10 @@ impl Watch {
             photos: self.photos,
             rmse_m: self.errors.rms(),
             max_error_m: self.errors.largest(),
+            gnss_rmse_m: self.beliefs.gnss.rms_of_any(),
+            estimate_rmse_m: self.beliefs.estimate.rms_of_any(),
+            attitude_rmse_deg: self.beliefs.tilt.rms_of_any().map(f64::to_degrees),
+            heading_rmse_deg: self.beliefs.heading.rms_of_any().map(f64::to_degrees),
             cross_track_rmse_m: cross_track(&self.positions, &self.path),
             tilt_max_deg: libm::acos(self.cos_tilt_min.clamp(-1.0, 1.0)).to_degrees(),
             saturated_fraction: self.saturated as f64 / self.ticks.max(1) as f64,

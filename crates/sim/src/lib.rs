@@ -9,6 +9,7 @@
 //! - [`flight_report`]: a log as a [`report`], a page to look at.
 //! - [`terminal`]: what programs share that fly at somebody's terminal.
 
+pub mod beliefs;
 pub mod closed_loop;
 pub mod figures;
 pub mod flight;
@@ -19,4 +20,5 @@ pub mod mission_file;
 pub mod recording;
 pub mod replay;
 pub mod report;
+pub mod sensors;
 pub mod terminal;

@@ -6,9 +6,11 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use windhover_autopilot::{Parameters, Preset};
 use windhover_math::Vector3;
+use windhover_model::sensor::fault::{FaultName, SensorFault};
 use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, mean_wind_from};
 use windhover_sim::flight::{Setup, SetupError};
 use windhover_sim::mission_file::{self, MissionFile};
+use windhover_sim::sensors::{Receiver, Sensors};
 use windhover_sim::terminal::read_vehicle;
 
 /// The mission that is flown when none is named.
@@ -35,6 +37,8 @@ enum Sub {
     Replay(Replay),
     /// Make the report of a flight from its log.
     Report(ReportArgs),
+    /// List the faults that sensors can have, for `fly --fault`.
+    Faults,
 }
 
 /// Options of `windhover fly`.
@@ -77,9 +81,17 @@ pub struct Fly {
     /// body
     #[arg(long, default_value = "rigid")]
     model: ModelName,
-    /// Fly on the true state; for now the only way, and always so with simple and paper
+    /// Tell the vehicle its true state, instead of letting it fly on its sensors; always so with
+    /// simple and paper
     #[arg(long)]
     truth: bool,
+    /// Satellite receiver: standard errs by metres, rtk by centimetres
+    #[arg(long, default_value = "standard")]
+    gnss: ReceiverName,
+    /// A fault of a sensor, from T seconds on, for so many seconds or to the end; may be repeated.
+    /// `windhover faults` lists the names
+    #[arg(long, value_name = "NAME@T[,FOR]", conflicts_with = "truth")]
+    fault: Vec<SensorFault>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     seed: u64,
@@ -145,6 +157,12 @@ enum PresetName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+enum ReceiverName {
+    Standard,
+    Rtk,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModelName {
     Simple,
     Paper,
@@ -200,6 +218,10 @@ pub fn parse() -> Invocation {
             Some(Sub::Fly(fly)) => Invocation::Fly(fly),
             Some(Sub::Replay(replay)) => Invocation::Replay(replay),
             Some(Sub::Report(report)) => Invocation::Report(report),
+            Some(Sub::Faults) => Invocation::Say {
+                text: faults(),
+                code: 0,
+            },
         },
         Err(error) if !error.use_stderr() => Invocation::Say {
             text: error.to_string(),
@@ -210,6 +232,14 @@ pub fn parse() -> Invocation {
             code: 2,
         },
     }
+}
+
+/// One line a fault.
+fn faults() -> String {
+    let all = SensorFault::all();
+    let width = all.iter().map(|fault| fault.name.len()).max().unwrap_or(0);
+    let line = |fault: &FaultName| format!("{:width$}  {}\n", fault.name, fault.text);
+    all.iter().map(line).collect()
 }
 
 /// Clap's message without the usage below it.
@@ -274,6 +304,7 @@ impl Fly {
                 conditions,
                 imu_rate: 1000,
                 disruption: None,
+                sensors: self.sensors()?,
                 writes: Vec::new(),
             },
             mission,
@@ -282,6 +313,21 @@ impl Fly {
             model: format!("{:?}", self.model).to_lowercase(),
             preset: format!("{:?}", self.preset).to_lowercase(),
         })
+    }
+
+    /// The sensors, where it is flown on such.
+    fn sensors(&self) -> Result<Option<Sensors>, String> {
+        let rigid = matches!(self.model, ModelName::Rigid);
+        if !rigid && !self.fault.is_empty() {
+            return Err("--fault: the models simple and paper are flown on the truth, not on sensors".into());
+        }
+        Ok((rigid && !self.truth).then(|| Sensors {
+            receiver: match self.gnss {
+                ReceiverName::Standard => Receiver::Standard,
+                ReceiverName::Rtk => Receiver::Rtk,
+            },
+            faults: self.fault.clone(),
+        }))
     }
 
     fn conditions(&self) -> Result<Conditions, String> {

@@ -76,6 +76,7 @@ pub fn conditions(request: &Request) -> Vec<(String, String)> {
         ("Vehicle", setup.vehicle.name.clone()),
         ("Preset", request.preset.clone()),
         ("Model", request.model.clone()),
+        ("Flown on", flown_on(request)),
         (
             "Wind towards",
             format!("{:.2} m/s north, {:.2} m/s east", wind.x, wind.y),
@@ -89,6 +90,13 @@ pub fn conditions(request: &Request) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_string(), value))
         .collect()
+}
+
+fn flown_on(request: &Request) -> String {
+    match &request.setup.sensors {
+        None => "the truth".into(),
+        Some(sensors) => format!("sensors, receiver {}", format!("{:?}", sensors.receiver).to_lowercase()),
+    }
 }
 
 /// The figures as one JSON object.
@@ -129,6 +137,20 @@ fn row(label: &str, value: String, unit: &str) -> Figure {
     }
 }
 
+/// How far off the vehicle believed itself to be, where it flew on sensors.
+fn beliefs(f: &Figures) -> impl Iterator<Item = Figure> {
+    let position = |label, value: &Option<Axes>| value.as_ref().map(|value| row(label, axes(value), "m"));
+    let angle = |label, value: Option<f64>| value.map(|value| row(label, format!("{value:.2}"), "°"));
+    [
+        position("  receiver's error", &f.gnss_rmse_m),
+        position("  estimate's error", &f.estimate_rmse_m),
+        angle("  roll and pitch error", f.attitude_rmse_deg),
+        angle("  heading error", f.heading_rmse_deg),
+    ]
+    .into_iter()
+    .flatten()
+}
+
 fn rows(f: &Figures) -> Vec<Figure> {
     let worst = |value: fn(&windhover_sim::figures::Photo) -> f64| {
         f.photos
@@ -167,6 +189,9 @@ fn rows(f: &Figures) -> Vec<Figure> {
     rows.extend([
         row("RMSE north / east / down", axes(&f.rmse_m), "m"),
         row("largest error", axes(&f.max_error_m), "m"),
+    ]);
+    rows.extend(beliefs(f));
+    rows.extend([
         row("cross-track RMSE", format!("{:.3}", f.cross_track_rmse_m), "m"),
         row("largest tilt", format!("{:.1}", f.tilt_max_deg), "°"),
         row(

@@ -164,7 +164,7 @@ struct Core {
 
 impl Core {
     fn new(setup: &CoreSetup, parameters: Parameters) -> Result<Self, ReplayError> {
-        let outer = Outer::new(parameters, setup.home).ok_or(ReplayError::Vehicle)?;
+        let outer = Outer::new(parameters, &setup.outer).ok_or(ReplayError::Vehicle)?;
         let inner: InnerParameters = outer.inner_parameters();
         Ok(Self {
             inner: Inner::new(setup.inner, inner),

@@ -8,8 +8,8 @@ use core::panic::PanicInfo;
 
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, Outer, Parameters,
-    Queues,
+    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, Imu, ImuCounts, Inner,
+    InnerConfig, InnerInput, Mailboxes, Outer, OuterConfig, Parameters, Queues,
 };
 use windhover_flight_log::{Logger, LoggerConfig};
 use windhover_math::{Quaternion, Vector3};
@@ -19,13 +19,13 @@ use crate::steps::{LOG, Storage, inner_step, log_outer, log_tick, outer_step};
 /// The entry: all steps for ever, on inputs that the optimiser knows nothing about.
 #[unsafe(no_mangle)]
 extern "C" fn reset() -> ! {
-    let home = black_box(windhover_math::geodesy::GlobalPosition::default());
+    let outer_config = black_box(OuterConfig::default());
     let items = black_box([ITEM; 4]);
     let config = InnerConfig {
         imu_rate: black_box(1000),
         rotation: Default::default(),
     };
-    if let Some(mut outer) = Outer::new(black_box(Parameters::default()), home) {
+    if let Some(mut outer) = Outer::new(black_box(Parameters::default()), &outer_config) {
         let mut inner = Inner::new(config, outer.inner_parameters());
         let mut mailboxes = Mailboxes::default();
         let mut logger = Logger::<LOG>::new(LoggerConfig::new(config, outer.parameters()));
@@ -72,6 +72,15 @@ fn input() -> InnerInput {
 
 fn feed(queues: &mut Queues) {
     queues.command.push(black_box(Command::Arm));
+    queues.barometer.push(black_box(BarometerSample {
+        time: 0,
+        pressure: 1e5,
+    }));
+    queues.compass.push(black_box(CompassSample {
+        time: 0,
+        counts: [0; 3],
+    }));
+    queues.gnss.push(black_box(GnssSample::default()));
     queues.external.push(black_box(ExternalEstimate {
         position: Vector3::zeros(),
         velocity: Vector3::zeros(),

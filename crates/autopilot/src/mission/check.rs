@@ -9,11 +9,11 @@ use super::route::{MAX_JUMPS, Stored};
 use super::{MissionParameters, MissionSource};
 
 /// Refuses a mission that has an item which is not flown: the item's index, counted from 0, and
-/// why.
+/// why. Without a `home` altitudes and distances are not looked at.
 pub fn check<S: MissionSource + ?Sized>(
     source: &S,
     stored: Stored,
-    home: GlobalPosition,
+    home: Option<GlobalPosition>,
     parameters: &MissionParameters,
 ) -> Result<(), (u16, Refusal)> {
     if usize::from(stored.count) > MAX_ITEMS {
@@ -26,7 +26,7 @@ pub fn check<S: MissionSource + ?Sized>(
             },
         ));
     }
-    let frame = LocalFrame::new(home);
+    let frame = home.map(LocalFrame::new);
     let (mut waypoints, mut jumps) = (0, 0);
     for index in 0..stored.count {
         let missing = || {
@@ -48,7 +48,9 @@ pub fn check<S: MissionSource + ?Sized>(
                 ));
             }
         }
-        check_place(&action, &frame, parameters).map_err(|refusal| (index, refusal))?;
+        if let Some(frame) = &frame {
+            check_place(&action, frame, parameters).map_err(|refusal| (index, refusal))?;
+        }
     }
     if waypoints == 0 {
         return Err((

@@ -13,7 +13,7 @@ fn checked(items: &[MissionItem]) -> Result<(), (u16, Refusal)> {
         slot: 0,
         count: items.len() as u16,
     };
-    check(items, stored, HOME, &MissionParameters::default())
+    check(items, stored, Some(HOME), &MissionParameters::default())
 }
 
 /// Index of the item and name of the field.
@@ -130,6 +130,6 @@ fn a_mission_that_is_not_all_there_is_refused() {
         }
     }
     let stored = Stored { slot: 0, count: 5 };
-    let (item, refusal) = check(&Torn, stored, HOME, &MissionParameters::default()).unwrap_err();
+    let (item, refusal) = check(&Torn, stored, Some(HOME), &MissionParameters::default()).unwrap_err();
     assert_eq!((item, refusal.reason), (3, Reason::Missing));
 }

@@ -94,6 +94,9 @@ fn result(tick: u32, motors: MotorState) -> OuterResult {
         report: OuterReport {
             phase: Phase::Disarmed,
             estimate: Estimate::default(),
+            sensors: Default::default(),
+            handover: Default::default(),
+            origin: None,
             trajectory: None,
             leg_end: None,
             disturbance: Vector3::zeros(),

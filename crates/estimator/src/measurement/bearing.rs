@@ -20,6 +20,9 @@ use crate::health::Sensor;
 /// Share of a direction that must be horizontal.
 const LEAST_HORIZONTAL: f32 = 0.1;
 
+/// A heading that is known better than this is not set anew by a direction, rad.
+const FIRM_HEADING: f32 = 0.3;
+
 /// A direction of the body with its bearing.
 pub(crate) struct Bearing {
     /// The direction, FRD, of any length.
@@ -30,6 +33,8 @@ pub(crate) struct Bearing {
     pub(crate) noise: f32,
     /// Variance of the bearing itself, rad².
     pub(crate) bearing_noise: f32,
+    /// How many times the variance counts when it is taken in.
+    pub(crate) repeats: f32,
     /// Whether it is the bearing that is without noise.
     pub(crate) is_bearing_exact: bool,
     /// The attitude when it was measured.
@@ -61,10 +66,17 @@ impl Filter {
             innovation,
             variance: self.covariance.direction_variance(h) + noise,
         }];
+        // A heading that is known well is not given up for a direction that says something else
+        // time and again: iron and currents are likelier than a turned vehicle.
+        let [_, _, heading] = self.covariance.variances(Group::Attitude);
+        if heading < FIRM_HEADING * FIRM_HEADING && !tests.iter().all(Test::passes) {
+            return Ok(self.rejected(sensor, tests));
+        }
         Ok(self.decide(
             sensor,
             tests,
             |filter| {
+                let noise = noise * measured.repeats;
                 filter
                     .covariance
                     .fuse_direction(&mut filter.state, h, innovation, noise);

@@ -24,6 +24,9 @@ pub struct MagneticField {
     pub field: Vector3,
     /// Standard deviation of each component, in the same unit.
     pub deviation: f32,
+    /// In how many samples in a row, at least 1, the error is the same: so many times the variance
+    /// counts when the field is taken in. The gate judges by the variance alone.
+    pub repeats: f32,
     /// Declination of the place: bearing of magnetic north, east positive, rad.
     pub declination: f32,
 }
@@ -33,6 +36,9 @@ impl MagneticField {
     pub fn check(&self) -> Result<(), Refusal> {
         vector(self.field, LARGEST_FIELD)?;
         deviation(self.deviation)?;
+        if !(1.0..=1e6).contains(&self.repeats) {
+            return Err(Refusal::OutOfRange);
+        }
         number(self.declination, core::f32::consts::PI)
     }
 }
@@ -48,6 +54,7 @@ impl Filter {
             bearing: measured.declination,
             noise: measured.deviation * measured.deviation,
             bearing_noise: 0.0,
+            repeats: measured.repeats,
             is_bearing_exact: true,
             attitude: past.attitude(&self.state),
         };

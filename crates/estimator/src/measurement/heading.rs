@@ -33,6 +33,7 @@ impl Filter {
             bearing: measured.heading,
             noise: 0.0,
             bearing_noise: measured.deviation * measured.deviation,
+            repeats: 1.0,
             is_bearing_exact: false,
             attitude: past.attitude(&self.state),
         };

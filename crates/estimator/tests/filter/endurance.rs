@@ -147,6 +147,7 @@ fn apply(filter: &mut Filter, input: &Input) {
         }
         Input::Field(field, deviation, declination) => {
             let _ = filter.fuse_compass(&MagneticField {
+                repeats: 1.0,
                 time: now,
                 field,
                 deviation,

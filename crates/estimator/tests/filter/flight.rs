@@ -206,6 +206,7 @@ impl Flight {
     pub fn compass(&mut self) -> MagneticField {
         let field = self.truth.attitude.inverse_rotate(FIELD) + self.random.normals() * COMPASS;
         MagneticField {
+            repeats: 1.0,
             time: self.time,
             field: narrow(field),
             deviation: COMPASS as f32,

@@ -2,7 +2,7 @@
 
 use windhover_estimator::gate::Policy;
 use windhover_estimator::measurement::{BarometricHeight, GnssPosition, MagneticField};
-use windhover_estimator::{Health, Sensor, Verdict};
+use windhover_estimator::{Health, Report, Sensor, Verdict};
 use windhover_math::{Quaternion, Vector3};
 
 use crate::flight::{Flight, Manoeuvre};
@@ -124,15 +124,15 @@ fn a_barometer_that_insists_moves_its_datum_while_another_height_is_believed() {
     }
 }
 
-#[test]
-fn a_compass_that_insists_turns_the_heading() {
-    let mut flight = settled(4);
-    let patience = Policy::of(Sensor::Compass).patience;
+/// A compass that shows a heading off by 2 rad, as often as it takes: its last report, and how
+/// far the heading has turned.
+fn insist(flight: &mut Flight) -> (Report<1>, f32) {
     let heading = flight.filter.state().attitude.heading();
     let wrong = Quaternion::from_heading(heading + 2.0);
     let mut last = None;
-    for _ in 0..patience {
+    for _ in 0..Policy::of(Sensor::Compass).patience {
         let measured = MagneticField {
+            repeats: 1.0,
             time: flight.time,
             field: wrong.inverse_rotate(Vector3::new(20.0, 0.0, 40.0)),
             deviation: 0.8,
@@ -140,11 +140,27 @@ fn a_compass_that_insists_turns_the_heading() {
         };
         last = Some(flight.filter.fuse_compass(&measured).unwrap());
     }
-    let last = last.unwrap();
+    let turned = windhover_math::wrap_pi(flight.filter.state().attitude.heading() - heading);
+    (last.unwrap(), turned)
+}
+
+#[test]
+fn a_compass_that_insists_turns_a_heading_that_is_not_sure() {
+    let mut flight = settled(4);
+    flight.filter.realign(0.01, 0.35).unwrap();
+    let (last, turned) = insist(&mut flight);
     assert_eq!(last.verdict, Verdict::Reset);
     assert!((last.step.unwrap().attitude.heading() - 2.0).abs() < 0.05);
-    let turned = windhover_math::wrap_pi(flight.filter.state().attitude.heading() - heading);
     assert!((turned - 2.0).abs() < 0.05, "{turned}");
+}
+
+#[test]
+fn a_compass_that_insists_does_not_turn_a_heading_that_is_sure() {
+    let mut flight = settled(4);
+    let (last, turned) = insist(&mut flight);
+    assert_eq!((last.verdict, turned), (Verdict::Rejected, 0.0));
+    let monitor = flight.filter.monitor(Sensor::Compass);
+    assert_eq!(monitor.consecutive, Policy::of(Sensor::Compass).patience);
 }
 
 #[test]

@@ -192,6 +192,7 @@ fn compass() {
         let error = Quaternion::from_rotation_vector(random.vector() * 0.02);
         let field = (error * past.attitude).inverse_rotate(truth);
         let measured = MagneticField {
+            repeats: 1.0,
             time: 1_000_000,
             field: narrow(field),
             deviation: 1.0,

@@ -69,6 +69,7 @@ fn nothing_that_is_not_a_number_gets_in() {
     for i in 0..5 {
         spoil(&|filter, bad| {
             let mut m = MagneticField {
+                repeats: 1.0,
                 time,
                 field: Vector3::new(20.0, 0.0, 40.0),
                 deviation: 1.0,
@@ -160,6 +161,7 @@ fn what_is_too_old_or_still_to_come_is_refused_and_counted() {
     measured.time = flight.time - 300_000;
     assert!(flight.filter.fuse_gnss_position(&measured).is_ok());
     let vertical = MagneticField {
+        repeats: 1.0,
         time: flight.time,
         field: flight
             .filter

@@ -5,7 +5,7 @@ use windhover_autopilot::{Imu, MotorCommand, OuterResult, Snapshot};
 use super::{LONGEST, LoggerConfig, SLOW};
 use crate::record::{Topic, data};
 use crate::views::{
-    ActuatorMotors, Disturbance, FlightPhase, Leg, Mission, Refusal, SensorCombined, TickCounts,
+    ActuatorMotors, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, SensorCombined, TickCounts,
     VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition,
     VehicleLocalPositionSetpoint, VehicleStatus,
 };
@@ -139,6 +139,7 @@ impl Reporter {
         }
         if due {
             out.view(&self.counts);
+            out.view(&EstimatorStatus::new(result));
         }
         let leg = result.report.leg_end.map(|destination| Leg { destination });
         if leg.is_some() && leg != self.leg {

@@ -6,7 +6,7 @@ use std::string::{String, ToString};
 use thiserror::Error;
 use windhover_autopilot::mission::{MissionItem, MissionSource};
 use windhover_autopilot::sensing::BoardRotation;
-use windhover_autopilot::{InnerConfig, Parameters};
+use windhover_autopilot::{CompassFitting, InnerConfig, OuterConfig, Parameters};
 use windhover_math::geodesy::GlobalPosition;
 
 use super::log::Log;
@@ -25,8 +25,8 @@ pub struct CoreSetup {
     pub inner: InnerConfig,
     /// Parameters as loaded, bit for bit.
     pub parameters: Parameters,
-    /// Home.
-    pub home: GlobalPosition,
+    /// For the outer step.
+    pub outer: OuterConfig,
     /// The stored missions.
     pub missions: MissionStore,
 }
@@ -86,10 +86,9 @@ impl CoreSetup {
         if version != LOG_VERSION {
             return Err(SetupError::Version(version));
         }
-        let [a, b, c, d, e, f, g, h, i] = required(log.value::<[i8; 9]>("imu_rotation"), "imu_rotation")?;
         let inner = InnerConfig {
             imu_rate: required(log.value("imu_rate"), "imu_rate")?,
-            rotation: BoardRotation([[a, b, c], [d, e, f], [g, h, i]]),
+            rotation: rotation(log, "imu_rotation")?,
         };
         let k = required(log.value("imu_k"), "imu_k")?;
         if inner.k() != k || k as usize > MAX_K {
@@ -99,11 +98,7 @@ impl CoreSetup {
         Ok(Self {
             inner,
             parameters: parameters(log)?,
-            home: GlobalPosition {
-                latitude: required(log.value("home_lat"), "home_lat")?,
-                longitude: required(log.value("home_lon"), "home_lon")?,
-                altitude: required(log.value("home_alt"), "home_alt")?,
-            },
+            outer: outer(log)?,
             missions: missions(log)?,
         })
     }
@@ -111,6 +106,28 @@ impl CoreSetup {
 
 fn required<T>(value: Option<T>, name: &'static str) -> Result<T, SetupError> {
     value.ok_or(SetupError::Missing(name))
+}
+
+fn rotation(log: &Log<'_>, name: &'static str) -> Result<BoardRotation, SetupError> {
+    let [a, b, c, d, e, f, g, h, i] = required(log.value::<[i8; 9]>(name), name)?;
+    Ok(BoardRotation([[a, b, c], [d, e, f], [g, h, i]]))
+}
+
+fn outer(log: &Log<'_>) -> Result<OuterConfig, SetupError> {
+    let home = GlobalPosition {
+        latitude: required(log.value("home_lat"), "home_lat")?,
+        longitude: required(log.value("home_lon"), "home_lon")?,
+        altitude: required(log.value("home_alt"), "home_alt")?,
+    };
+    let known: u32 = required(log.value("home_known"), "home_known")?;
+    Ok(OuterConfig {
+        home: (known != 0).then_some(home),
+        declination: required(log.value("declination"), "declination")?,
+        compass: CompassFitting {
+            per_count: required(log.value("mag_ut_per_count"), "mag_ut_per_count")?,
+            rotation: rotation(log, "mag_rotation")?,
+        },
+    })
 }
 
 fn parameters(log: &Log<'_>) -> Result<Parameters, SetupError> {

@@ -1,11 +1,11 @@
 //! Views from what the core gave.
 
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::{Blocker, MotorState, OuterResult, Phase, Refused, Snapshot, Stop, Urgent};
+use windhover_autopilot::{Blocker, Known, MotorState, OuterResult, Phase, Refused, Snapshot, Stop, Urgent};
 use windhover_math::Vector3;
 
 use super::{
-    Disturbance, FlightPhase, Leg, Mission, Refusal, VehicleAttitude, VehicleAttitudeSetpoint,
+    Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, VehicleAttitude, VehicleAttitudeSetpoint,
     VehicleLandDetected, VehicleLocalPosition, VehicleLocalPositionSetpoint, VehicleStatus, View,
 };
 use crate::inputs::FlatCommand;
@@ -28,6 +28,11 @@ pub const fn motor_state_code(state: MotorState) -> u8 {
         MotorState::Idle => 1,
         MotorState::Run => 2,
     }
+}
+
+/// As in [`EstimatorStatus::known`].
+pub const fn known_code(known: Known) -> u8 {
+    known.attitude as u8 | (known.heading as u8) << 1 | (known.height as u8) << 2 | (known.position as u8) << 3
 }
 
 /// As in [`Refusal::reason`].
@@ -73,6 +78,7 @@ impl View {
                 destination: report.leg_end?,
             }),
             Self::Disturbance(_) => Self::Disturbance(Disturbance::new(result)),
+            Self::EstimatorStatus(_) => Self::EstimatorStatus(EstimatorStatus::new(result)),
             _ => return None,
         })
     }
@@ -105,6 +111,29 @@ impl Disturbance {
     }
 }
 
+impl EstimatorStatus {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        let (estimate, sensors) = (&result.report.estimate, &result.report.sensors);
+        let accuracy = &estimate.accuracy;
+        Self {
+            known: known_code(estimate.known),
+            horizontal: accuracy.horizontal,
+            vertical: accuracy.vertical,
+            velocity: accuracy.velocity,
+            tilt: accuracy.tilt,
+            heading: accuracy.heading,
+            gyro_bias: estimate.gyro_bias,
+            accel_bias: estimate.accel_bias,
+            sensors: sensors.health,
+            rejected: sensors.rejected,
+            refused: sensors.refused,
+            resets: sensors.resets,
+            handover: result.report.handover.position,
+        }
+    }
+}
+
 impl VehicleAttitudeSetpoint {
     /// From an outer result; `thrust_max` in N.
     pub fn new(result: &OuterResult, thrust_max: f32) -> Self {
@@ -119,7 +148,7 @@ impl VehicleLocalPosition {
     /// From an outer result.
     pub fn new(result: &OuterResult) -> Self {
         let estimate = &result.report.estimate;
-        let known = estimate.age.is_some();
+        let known = &estimate.known;
         Self {
             x: estimate.position.x,
             y: estimate.position.y,
@@ -128,10 +157,10 @@ impl VehicleLocalPosition {
             vy: estimate.velocity.y,
             vz: estimate.velocity.z,
             heading: estimate.attitude.heading(),
-            xy_valid: known,
-            z_valid: known,
-            v_xy_valid: known,
-            v_z_valid: known,
+            xy_valid: known.position,
+            z_valid: known.height,
+            v_xy_valid: known.position,
+            v_z_valid: known.height,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::record;
 use crate::record::{Description, Record, Topic};
 use crate::wire::Decoder;
 
-pub use from_core::{blocker_code, motor_state_code, phase_code, refusal_code};
+pub use from_core::{blocker_code, known_code, motor_state_code, phase_code, refusal_code};
 
 /// Declares views: struct, number and name of the topic, fields.
 macro_rules! views {
@@ -239,6 +239,36 @@ views! {
         imu_errors: u32,
         /// Bytes that waited for the log's port at most.
         log_waiting_max: u32,
+    }
+    /// What the filter claims of itself; once a second.
+    EstimatorStatus = 47, "estimator_state" {
+        /// What is known, in bits: 1 attitude, 2 heading, 4 height, 8 position.
+        known: u8,
+        /// Declared standard deviation of the horizontal position, both axes together, m.
+        horizontal: f32,
+        /// Of the height, m.
+        vertical: f32,
+        /// Of the velocity, three axes together, m/s.
+        velocity: f32,
+        /// Of roll and pitch together, rad.
+        tilt: f32,
+        /// Of the heading, rad.
+        heading: f32,
+        /// Gyro bias, FRD, rad/s.
+        gyro_bias: Vector3,
+        /// Accelerometer bias, FRD, m/s².
+        accel_bias: Vector3,
+        /// Of GNSS position, height, velocity, barometer, compass, heading, rest, gravity, pose:
+        /// 0 unseen, 1 good, 2 degraded, 3 lost.
+        sensors: [u8; 9],
+        /// Measurements that the gates rejected since start.
+        rejected: u32,
+        /// Measurements that were refused as impossible since start.
+        refused: u32,
+        /// How often the estimate was set to a measurement since start.
+        resets: u32,
+        /// What the setpoint is shifted by, NED, m.
+        handover: Vector3,
     }
     /// Inputs are missing from the tick `from` to before `until`.
     Gap = 6, "gap" {

@@ -6,7 +6,7 @@
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
     Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MissionCommit,
-    MotorCommand, Outer, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord, Urgent,
+    MotorCommand, Outer, OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
@@ -131,6 +131,14 @@ pub fn config(imu_rate: u32) -> InnerConfig {
     }
 }
 
+pub fn outer_config() -> OuterConfig {
+    OuterConfig {
+        home: Some(HOME),
+        declination: 0.05,
+        ..OuterConfig::default()
+    }
+}
+
 pub fn header_bytes(imu_rate: u32, mission: &[MissionItem]) -> Vec<u8> {
     let parameters = parameters();
     let header = Header {
@@ -140,8 +148,7 @@ pub fn header_bytes(imu_rate: u32, mission: &[MissionItem]) -> Vec<u8> {
         board: "none",
         inner: config(imu_rate),
         parameters: &parameters,
-        home: HOME,
-        declination: 0.05,
+        outer: outer_config(),
         reset_cause: "power",
         mission_crc: mission_crc(mission.iter().copied()),
         plans: &[Plan {
@@ -178,7 +185,7 @@ pub struct Bench<const N: usize> {
 
 impl<const N: usize> Bench<N> {
     pub fn new(plot: Plot) -> Self {
-        let outer = Outer::new(parameters(), HOME).unwrap();
+        let outer = Outer::new(parameters(), &outer_config()).unwrap();
         let mission = mission();
         let mut mailboxes = Mailboxes::default();
         let crc = mission_crc(mission.iter().copied());

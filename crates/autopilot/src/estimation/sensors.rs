@@ -1,0 +1,290 @@
+//! What the filter is given of each sensor, and when.
+
+use windhover_estimator::gate::Report;
+use windhover_estimator::measurement::{BarometricHeight, MagneticField};
+use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Reset, Sensor};
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_math::{Vector3, saturate, sqrt};
+
+use super::interference::{Interference, load};
+use super::{OuterConfig, Settings, is_still};
+use crate::aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample, PressureLevel};
+use crate::inner::Snapshot;
+
+/// How still a vehicle stands, m/s, and its gyro's mean over an interval, rad/s.
+const REST: (f32, f32) = (0.05, 0.01);
+/// How far the specific force is from gravity's in flight, in a mean over 4 ms, m/s². It counts
+/// only while no velocity is measured.
+const FLIGHT_FORCE: f32 = 2.0;
+
+/// A receiver that declares less than this knows the height better than the barometer does, m.
+const PRECISE_HEIGHT: f32 = 0.2;
+/// The difference between both heights is followed with this time constant, s.
+const HEIGHT_FOLLOWING: f32 = 20.0;
+/// Standard deviation of the barometer while a precise receiver leads, m.
+const LED_BAROMETER: f32 = 1.0;
+
+/// A mean over the alignment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Mean {
+    count: u16,
+    mean: f32,
+}
+
+impl Mean {
+    /// Adds a pressure, Pa; what is none is left out. After 1000 of them it follows the last ones.
+    pub(super) fn add(&mut self, pressure: f32) {
+        if PressureLevel::new(pressure).is_some() {
+            self.count = (self.count + 1).min(1000);
+            self.mean += (pressure - self.mean) / f32::from(self.count);
+        }
+    }
+}
+
+/// What lies between the sensors and the filter.
+#[derive(Clone, Debug)]
+pub(super) struct Aiding {
+    pub(super) frame: Option<LocalFrame>,
+    declination: f32,
+    fitting: CompassFitting,
+    level: Option<PressureLevel>,
+    interference: Interference,
+    /// When the last compass sample came, µs.
+    last_field: u64,
+    /// The receiver's height less the estimated one (down, m), while the barometer leads.
+    height_offset: Option<f32>,
+    /// Variance of the receiver's slow errors, which no filter can see, of each axis, m².
+    receiver: f32,
+    /// The last step that the estimate made.
+    step: Option<Reset>,
+}
+
+impl Aiding {
+    pub(super) fn new(config: &OuterConfig) -> Self {
+        Self {
+            frame: config.home.map(LocalFrame::new),
+            declination: config.declination,
+            fitting: config.compass,
+            level: None,
+            interference: Interference::default(),
+            last_field: 0,
+            height_offset: None,
+            receiver: 0.0,
+            step: None,
+        }
+    }
+
+    /// The alignment is done: heights count from the mean pressure, and the mean field (body, µT)
+    /// is the Earth's.
+    pub(super) fn begin(&mut self, filter: &mut Filter, pressure: &Mean, field: Option<Vector3>) {
+        if let Some(level) = PressureLevel::new(pressure.mean) {
+            self.level = Some(level);
+            // The first height is 0 by definition, so it is known as well as the mean is.
+            let _ = filter.refer_barometer(0.0, 0.05);
+        }
+        if let Some(field) = field {
+            self.interference.refer(filter.state().attitude, field);
+        }
+    }
+
+    /// Whether there is an origin and a receiver that has said where the vehicle is.
+    pub(super) fn has_place(&self) -> bool {
+        self.frame.is_some() && self.receiver > 0.0
+    }
+
+    /// The filter's accuracy with what it cannot know of: the receiver's slow errors.
+    pub(super) fn declared(&self, accuracy: Accuracy) -> Accuracy {
+        Accuracy {
+            horizontal: sqrt(accuracy.horizontal * accuracy.horizontal + 2.0 * self.receiver),
+            ..accuracy
+        }
+    }
+
+    /// The first fix is the origin, where there is none. The vehicle is `down` m below it.
+    pub(super) fn find_origin(&mut self, sample: &GnssSample, down: f32) {
+        if self.frame.is_none() && sample.is_fix() {
+            let above = saturate(down, 1e5) * 1e3;
+            self.frame = Some(LocalFrame::new(GlobalPosition {
+                altitude: sample.position.altitude.saturating_add(above as i32),
+                ..sample.position
+            }));
+        }
+    }
+
+    /// A compass sample as the filter takes it: µT in body axes.
+    pub(super) fn field(&self, sample: &CompassSample, settings: &Settings<'_>) -> MagneticField {
+        MagneticField {
+            time: sample.time,
+            field: self.fitting.field(sample.counts),
+            deviation: settings.estimation.compass_noise,
+            repeats: 1.0,
+            declination: self.declination,
+        }
+    }
+
+    /// Hands the filter what has come; the step that this made in the estimate, where it did.
+    pub(super) fn take_in(
+        &mut self,
+        filter: &mut Filter,
+        settings: &Settings<'_>,
+        snapshot: &Snapshot,
+    ) -> Option<Reset> {
+        self.step = None;
+        let inputs = &snapshot.inputs;
+        for sample in &inputs.barometer {
+            self.barometer(filter, settings, sample, snapshot.time);
+        }
+        if !inputs.compass.is_empty() {
+            let load = load(
+                snapshot.increments.thrust / snapshot.increments.duration,
+                settings.weight,
+            );
+            for sample in &inputs.compass {
+                self.compass(filter, settings, sample, snapshot.time, load);
+            }
+        }
+        for sample in &inputs.gnss {
+            self.gnss(filter, settings, sample, snapshot.time);
+        }
+        self.step.take()
+    }
+
+    /// Keeps the step of a measurement that made one.
+    fn note<const N: usize>(&mut self, outcome: Result<Report<N>, Refusal>) {
+        if let Ok(Report { step: Some(step), .. }) = outcome {
+            self.step = Some(match self.step {
+                None => step,
+                Some(before) => Reset {
+                    position: before.position + step.position,
+                    velocity: before.velocity + step.velocity,
+                    attitude: step.attitude * before.attitude,
+                },
+            });
+        }
+    }
+
+    fn barometer(
+        &mut self,
+        filter: &mut Filter,
+        settings: &Settings<'_>,
+        sample: &BarometerSample,
+        now: u64,
+    ) {
+        if self.level.is_none() {
+            self.level = PressureLevel::new(sample.pressure);
+        }
+        let Some(height) = self.level.and_then(|level| level.height(sample.pressure)) else {
+            return;
+        };
+        let led = matches!(filter.health(Sensor::GnssHeight), Health::Good { .. });
+        let measured = BarometricHeight {
+            time: sample.time.min(now),
+            height,
+            deviation: if led {
+                LED_BAROMETER
+            } else {
+                settings.estimation.barometer_noise
+            },
+        };
+        let outcome = filter.fuse_barometer(&measured);
+        self.note(outcome);
+    }
+
+    fn compass(
+        &mut self,
+        filter: &mut Filter,
+        settings: &Settings<'_>,
+        sample: &CompassSample,
+        now: u64,
+        load: f32,
+    ) {
+        let elapsed = now.saturating_sub(self.last_field).min(1_000_000) as u32 as f32 * 1e-6;
+        self.last_field = now;
+        let measured = self.field(sample, settings);
+        let attitude = filter.state().attitude;
+        let Some(field) = self
+            .interference
+            .correct(measured.field, attitude, load, elapsed)
+        else {
+            return;
+        };
+        // Samples so close err alike: together they say no more than one in that time.
+        let alike = if elapsed > 1e-3 {
+            2.0 * settings.estimation.compass_correlation / elapsed
+        } else {
+            0.0
+        };
+        let outcome = filter.fuse_compass(&MagneticField {
+            time: sample.time.min(now),
+            field,
+            repeats: 1.0 + alike,
+            ..measured
+        });
+        self.note(outcome);
+    }
+
+    fn gnss(&mut self, filter: &mut Filter, settings: &Settings<'_>, sample: &GnssSample, now: u64) {
+        if !sample.is_fix() {
+            return;
+        }
+        self.find_origin(sample, filter.state().position.z);
+        let Some(frame) = &self.frame else {
+            return;
+        };
+        let delay = (settings.estimation.gnss_delay * 1e6) as u64;
+        let time = sample.time.min(now).saturating_sub(delay);
+        let mut position = sample.position(frame, time);
+        let outcome = filter.fuse_gnss_position(&position);
+        if outcome.is_ok() {
+            self.receiver = position.horizontal_deviation * position.horizontal_deviation;
+        }
+        self.note(outcome);
+        let outcome = filter.fuse_gnss_velocity(&sample.velocity(time));
+        self.note(outcome);
+
+        let difference = position.position.z - filter.state().position.z;
+        if position.vertical_deviation < PRECISE_HEIGHT {
+            let outcome = filter.fuse_gnss_height(&position);
+            self.note(outcome);
+        } else if matches!(filter.health(Sensor::Barometer), Health::Good { .. }) {
+            // The barometer leads: what the receiver says differently is followed slowly, so that
+            // it can take over without a step.
+            let offset = self.height_offset.get_or_insert(difference);
+            *offset += (difference - *offset) * (0.1 / HEIGHT_FOLLOWING);
+        } else {
+            position.position.z -= *self.height_offset.get_or_insert(difference);
+            let outcome = filter.fuse_gnss_height(&position);
+            self.note(outcome);
+        }
+    }
+
+    /// On the ground: no velocity, no rate. In flight without a measured velocity: the specific
+    /// force is gravity's on the average. The step that this made in the estimate, where it did.
+    pub(super) fn rest(
+        &mut self,
+        filter: &mut Filter,
+        measured: &InertialIncrements,
+        landed: bool,
+    ) -> Option<Reset> {
+        if landed {
+            if is_still(measured, filter.state().gyro_bias) {
+                let outcome = filter.fuse_rest(measured, REST.0, REST.1);
+                self.note(outcome);
+            }
+            return self.step.take();
+        }
+        let velocity_known = [Sensor::GnssVelocity, Sensor::Pose]
+            .into_iter()
+            .any(|sensor| {
+                matches!(
+                    filter.health(sensor),
+                    Health::Good { .. } | Health::Degraded { .. }
+                )
+            });
+        if !velocity_known {
+            let outcome = filter.fuse_gravity(measured, FLIGHT_FORCE);
+            self.note(outcome);
+        }
+        self.step.take()
+    }
+}
