@@ -4,7 +4,10 @@
 //! not explain of it is the disturbance: drag in the wind, a push, a mass that is not the one
 //! reckoned with. Fed back with the opposite sign it is gone before a position error has grown.
 //!
-//! d' = (f − f_thrust − d)/T, with f the specific force in the world and f_thrust = −z_B·P/m.
+//! e' = (f − f_thrust − e)/T, d' = (e − d)/T, with f the specific force in the world and
+//! f_thrust = −z_B·P/m. Two low-passes, because the accelerometer shakes with the rotors: what of
+//! that reached the thrust would come back by the rotors' speed, in phase with the shaking, and be
+//! measured as a force that is not there.
 
 use windhover_math::{Vector3, scalar};
 use windhover_parameters::parameters;
@@ -15,7 +18,7 @@ parameters! {
     /// The disturbance observer. Defaults: preset `windhover`.
     pub struct ObserverParameters {
         share: "OBS_SHARE", "", 0.0..=1.0, 1.0, "Share of the observed disturbance that is taken out";
-        time_constant: "OBS_TC", "s", 0.005..=10.0, 0.05, "Time constant of the observed disturbance";
+        time_constant: "OBS_TC", "s", 0.005..=10.0, 0.06, "Time constant of each of the observer's two low-passes";
         limit: "OBS_MAX", "m/s^2", 0.0..=30.0, 12.0, "Largest disturbance that is believed";
     }
 }
@@ -33,6 +36,7 @@ impl ObserverParameters {
 /// The disturbance as believed so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisturbanceObserver {
+    smoothed: Vector3,
     disturbance: Vector3,
 }
 
@@ -48,7 +52,8 @@ impl DisturbanceObserver {
     ) {
         let unexplained = scalar::limit_norm(specific_force - thrust, parameters.limit);
         let share = low_pass_share(parameters.time_constant, dt);
-        self.disturbance += (unexplained - self.disturbance) * share;
+        self.smoothed += (unexplained - self.smoothed) * share;
+        self.disturbance += (self.smoothed - self.disturbance) * share;
     }
 
     /// The disturbance to be taken out, NED, m/s².
@@ -67,15 +72,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn follows_a_step_as_a_first_order_filter_does() {
+    fn follows_a_step_as_two_low_passes_do() {
         let parameters = ObserverParameters::default();
         let mut observer = DisturbanceObserver::default();
         let wind = Vector3::new(1.0, -2.0, 0.5);
         let thrust = Vector3::new(0.3, 0.2, -9.8);
-        for _ in 0..100 {
+        for _ in 0..240 {
             observer.step(&parameters, wind + thrust, thrust, 0.0005);
         }
-        let exact = wind * (1.0 - libm::exp(-1.0)) as f32;
+        // after two time constants: 1 − (1 + 2) e⁻²
+        let exact = wind * (1.0 - 3.0 * libm::exp(-2.0)) as f32;
         assert!(scalar::norm(observer.disturbance(&parameters) - exact) < 0.01);
     }
 

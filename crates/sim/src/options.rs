@@ -327,6 +327,7 @@ impl Fly {
                 ReceiverName::Rtk => Receiver::Rtk,
             },
             faults: self.fault.clone(),
+            errors: None,
         }))
     }
 

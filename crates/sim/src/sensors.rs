@@ -37,6 +37,8 @@ pub struct Sensors {
     pub receiver: Receiver,
     /// What fails, and when.
     pub faults: Vec<SensorFault>,
+    /// Errors other than the reference conditions'; the receiver's are then in here too.
+    pub errors: Option<SensorErrors>,
 }
 
 /// The Earth's magnetic field at a place.
@@ -94,7 +96,7 @@ impl Sensing {
         if let Some(earth) = EarthField::at(home) {
             fitting.field = earth.field;
         }
-        let errors = SensorErrors {
+        let reference = SensorErrors {
             gnss: match sensors.receiver {
                 Receiver::Standard => GnssErrors::standard(),
                 Receiver::Rtk => GnssErrors::rtk(),
@@ -102,7 +104,12 @@ impl Sensing {
             ..SensorErrors::reference(f64::from(imu_rate), vehicle.plant.hover_speed())
         };
         Self {
-            suite: SensorSuite::new(&fitting, &errors, &sensors.faults, seed),
+            suite: SensorSuite::new(
+                &fitting,
+                sensors.errors.as_ref().unwrap_or(&reference),
+                &sensors.faults,
+                seed,
+            ),
         }
     }
 
