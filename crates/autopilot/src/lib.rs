@@ -9,6 +9,7 @@
 //! come in as data ([`io`], [`queue`]); motor commands and reports go out as data.
 #![no_std]
 
+pub mod calibration;
 pub mod inner;
 pub mod io;
 pub mod mission;
