@@ -1,6 +1,7 @@
 //! What the tests of calibrations share: numbers drawn from a seed, samples as a sensor gives them.
 
 use proptest::prelude::*;
+use windhover_math::scalar::norm;
 use windhover_math::{GRAVITY, Quaternion, Vector3};
 
 use crate::sensing::Inertial;
@@ -44,7 +45,8 @@ impl Noise {
 
     /// A direction, all alike.
     pub fn direction(&mut self) -> Vector3 {
-        self.vector(1.0).normalize()
+        let v = self.vector(1.0);
+        v / norm(v)
     }
 }
 
