@@ -9,7 +9,7 @@ use windhover_math::scalar::norm;
 use windhover_math::{Matrix3, Vector3, sqrt};
 
 use super::CompassCorrection;
-use super::store::CAPACITY;
+use super::store::{CAPACITY, square};
 use crate::calibration::solve::{NormalEquations, eigen};
 
 /// An ellipsoid: all m with |shape·(m − centre)| = 1.
@@ -41,17 +41,17 @@ const WIDTH: f32 = 3.0 * 1.483;
 pub(super) fn sphere(samples: &[Vector3]) -> Shell {
     let count = windhover_math::max(samples.len(), 1) as f32;
     let mean = samples.iter().sum::<Vector3>() / count;
-    let square = samples.iter().map(|m| (m - mean).norm_squared()).sum::<f32>();
-    let size = windhover_math::max(sqrt(square / count), 1.0);
+    let sum = samples.iter().map(|m| square(m - mean)).sum::<f32>();
+    let size = windhover_math::max(sqrt(sum / count), 1.0);
     let mut equations = NormalEquations::<4>::new();
     for sample in samples {
         let v = (sample - mean) / size;
         // |v|² = 2 c·v + k
-        equations.add(&[2.0 * v.x, 2.0 * v.y, 2.0 * v.z, 1.0], v.norm_squared(), 1.0);
+        equations.add(&[2.0 * v.x, 2.0 * v.y, 2.0 * v.z, 1.0], square(v), 1.0);
     }
     let [x, y, z, k] = equations.solve().unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let centre = Vector3::new(x, y, z);
-    let radius = size * sqrt(k + centre.norm_squared());
+    let radius = size * sqrt(k + square(centre));
     Shell {
         centre: mean + centre * size,
         shape: Matrix3::identity() / windhover_math::max(radius, 1.0),

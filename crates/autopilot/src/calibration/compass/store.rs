@@ -61,7 +61,7 @@ impl Store {
             return false;
         }
         let [a, b, middle, d, e] = self.recent;
-        let near = |other: &Vector3| (other - middle).norm_squared() < AGREEMENT * AGREEMENT;
+        let near = |other: &Vector3| square(other - middle) < AGREEMENT * AGREEMENT;
         let agreeing = [a, b, d, e].iter().filter(|other| near(other)).count();
         let agrees = agreeing >= LEAST_AGREEING;
         self.alone += 0.05 * (if agrees { 0.0 } else { 1.0 } - self.alone);
@@ -102,7 +102,12 @@ impl Store {
     }
 }
 
+/// Square of the length.
+pub(super) fn square(v: Vector3) -> f32 {
+    v.dot(&v)
+}
+
 fn is_apart(field: Vector3, from: &[Vector3], distance: f32) -> bool {
-    let square = distance * distance;
-    from.iter().all(|other| (field - other).norm_squared() >= square)
+    from.iter()
+        .all(|other| square(field - other) >= distance * distance)
 }
