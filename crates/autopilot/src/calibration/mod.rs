@@ -133,17 +133,17 @@ struct Timer {
 
 /// Shortest and longest time that a sample may stand for, s.
 const DURATIONS: core::ops::RangeInclusive<f32> = 1e-5..=0.5;
-/// Longest that any calibration may be given, s.
-const LONGEST: f32 = 3600.0;
+/// Longest that any calibration may be given, µs: an hour.
+const LONGEST: u32 = 3_600_000_000;
 
 impl Timer {
     /// Runs out after `limit` seconds, at most an hour; at once if that is not a number.
     fn new(limit: f32) -> Self {
         // A conversion of a float saturates, and makes 0 of what is not a number.
-        let limit = windhover_math::min(limit, LONGEST);
+        let limit = (limit * 1e6) as u32;
         Self {
             elapsed: 0,
-            limit: (limit * 1e6) as u32,
+            limit: windhover_math::min(limit, LONGEST),
         }
     }
 
@@ -172,7 +172,7 @@ mod tests {
             assert_eq!(Timer::new(limit).advance(0.01), Ok(true), "{limit}");
         }
         let hour = Timer::new(f32::INFINITY);
-        assert_eq!(hour.limit, 3_600_000_000);
+        assert_eq!(hour.limit, LONGEST);
     }
 
     /// If this failed, a sample of no length or of an absurd one would count.

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use windhover_math::scalar::norm;
 use windhover_math::{GRAVITY, Quaternion, Vector3};
+use windhover_parameters::Group;
 
 use crate::sensing::Inertial;
 
@@ -81,4 +82,12 @@ pub fn any_inertial() -> impl Strategy<Value = Inertial> {
         specific_force: Vector3::new(a, b, c),
         rate: Vector3::new(d, e, f),
     })
+}
+
+/// Every value must be one that the parameter table would accept.
+pub fn within_declarations<G: Group>(parameters: &G) {
+    for (index, declaration) in G::DECLARATIONS.iter().enumerate() {
+        let value = parameters.get(index).unwrap();
+        assert_eq!(declaration.check(value), Ok(()), "{} {value}", declaration.name);
+    }
 }

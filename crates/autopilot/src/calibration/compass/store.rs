@@ -5,12 +5,15 @@ use windhover_math::Vector3;
 /// Most samples that are kept.
 pub(super) const CAPACITY: usize = 160;
 /// Distance between kept samples at first, µT: a weak field of 22 µT then gives about a hundred.
-const FIRST_DISTANCE: f32 = 6.0;
+const FIRST_DISTANCE: f32 = 4.0;
 /// What the distance grows by when the store is full.
 const GROWTH: f32 = 1.25;
 /// A sample agrees with another next to it in time within this, µT: at 50 samples a second, turning
 /// by 3 rad/s in a field of 65 µT, two of them are 4 µT apart.
 const AGREEMENT: f32 = 8.0;
+/// Samples are averaged with those next to them in time within this, µT: on a sphere of 25 µT the
+/// mean lies deeper than the surface by less than a half per cent.
+const NEARNESS: f32 = 2.5;
 /// Of the two before and the two after, so many must agree.
 const LEAST_AGREEING: usize = 2;
 
@@ -65,7 +68,19 @@ impl Store {
         let agreeing = [a, b, d, e].iter().filter(|other| near(other)).count();
         let agrees = agreeing >= LEAST_AGREEING;
         self.alone += 0.05 * (if agrees { 0.0 } else { 1.0 } - self.alone);
-        agrees && self.keep(middle)
+        agrees && self.keep(self.mean_about(middle))
+    }
+
+    /// Mean of the recent ones that lie as near to this one as a slow turn takes them.
+    fn mean_about(&self, middle: Vector3) -> Vector3 {
+        let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+        for field in &self.recent {
+            if square(field - middle) <= NEARNESS * NEARNESS {
+                sum += field - middle;
+                count += 1.0;
+            }
+        }
+        middle + sum / windhover_math::max(count, 1.0)
     }
 
     /// Keeps a sample that is far from all others.
