@@ -105,10 +105,9 @@ fn ellipsoid(matrix: Matrix3, linear: Vector3, k: f32) -> Option<(Vector3, Matri
         return None;
     }
     let roots = values.map(|value| sqrt(value / size));
-    Some((
-        centre,
-        vectors * Matrix3::from_diagonal(&roots) * vectors.transpose(),
-    ))
+    let shape = vectors * Matrix3::from_diagonal(&roots) * vectors.transpose();
+    // Rounding leaves it not quite symmetric.
+    Some((centre, (shape + shape.transpose()) * 0.5))
 }
 
 impl Shell {

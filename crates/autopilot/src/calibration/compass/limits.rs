@@ -34,7 +34,7 @@ impl Default for CompassLimits {
             cells: 22,
             offset: 150.0,
             ratio: 2.2,
-            spread: 0.06,
+            spread: 0.035,
             timeout: 180.0,
         }
     }
