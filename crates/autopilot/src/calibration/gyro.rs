@@ -3,6 +3,9 @@
 //! Motion starts the rest again. A slow tilting shows in the specific force even where the rate is
 //! constant; a steady turn about the vertical shows nowhere, and is taken for an offset.
 
+#[cfg(test)]
+mod tests;
+
 use core::fmt;
 
 use windhover_math::Vector3;

@@ -9,6 +9,9 @@
 //!
 //! Samples must be calibrated by then: an offset of the accelerometer of 0.1 m/s² is 0.6° of trim.
 
+#[cfg(test)]
+mod tests;
+
 use core::fmt;
 
 use windhover_math::scalar::norm;

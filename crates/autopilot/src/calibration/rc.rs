@@ -29,7 +29,7 @@ pub struct RcLimits {
     /// Largest difference of a middle from half-way between the ends, as a share of the way between
     /// them.
     pub off_centre: f32,
-    /// How far a resting channel may move.
+    /// How far a resting channel may move, and an end may still creep, µs.
     pub steady: u16,
     /// How long the channels must rest at first, and find no new end at last, s.
     pub rest: (f32, f32),
@@ -66,6 +66,13 @@ pub struct RcChannel {
     /// Upper end.
     pub max: u16,
 }
+
+/// Before the first sample.
+const NOWHERE: RcChannel = RcChannel {
+    min: 0,
+    trim: 0,
+    max: 0,
+};
 
 /// The travels that were found; channel 1 comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,6 +166,8 @@ pub struct RcCalibrator {
     ranges: [RcChannel; CHANNELS],
     /// Since when the channels rest, or nothing has found a new end, s.
     quiet: f32,
+    /// The ranges then.
+    quiet_ranges: [RcChannel; CHANNELS],
     /// The channel that moved last while all should rest; from 1.
     restless: u8,
     end: Option<Result<RcCalibration, RcRefusal>>,
@@ -172,12 +181,9 @@ impl RcCalibrator {
             timer: Timer::new(limits.timeout),
             stage: Stage::Centre,
             count: None,
-            ranges: [RcChannel {
-                min: 0,
-                trim: 0,
-                max: 0,
-            }; CHANNELS],
+            ranges: [NOWHERE; CHANNELS],
             quiet: 0.0,
+            quiet_ranges: [NOWHERE; CHANNELS],
             restless: 1,
             end: None,
         }
@@ -260,48 +266,48 @@ impl RcCalibrator {
                 max: pulse,
             };
         }
-        self.quiet = 0.0;
+        self.start_quiet();
     }
 
-    /// Widens the ranges; the first required channel that has found a new end by it, and any other.
-    fn widen(&mut self, pulses: &[u16]) -> (Option<u8>, bool) {
-        let required = self.limits.required;
-        let (mut found, mut any) = (None, false);
-        for ((channel, range), &pulse) in (1..).zip(&mut self.ranges).zip(pulses) {
-            let wider = RcChannel {
-                min: windhover_math::min(pulse, range.min),
-                max: windhover_math::max(pulse, range.max),
-                ..*range
-            };
-            if wider != *range {
-                any = true;
-                if found.is_none() && required.contains(channel) && wider.max - wider.min > self.limits.steady
-                {
-                    found = Some(channel);
-                }
-                *range = wider;
+    /// Widens the ranges; the first channel of these that has become wider than at the last quiet by
+    /// more than a jitter.
+    fn widen(&mut self, pulses: &[u16], among: Channels) -> Option<u8> {
+        let jitter = self.limits.steady;
+        let mut found = None;
+        let ranges = self.ranges.iter_mut().zip(&self.quiet_ranges);
+        for ((channel, (range, before)), &pulse) in (1..).zip(ranges).zip(pulses) {
+            range.min = windhover_math::min(pulse, range.min);
+            range.max = windhover_math::max(pulse, range.max);
+            let growth = (range.max - range.min).saturating_sub(before.max - before.min);
+            if found.is_none() && among.contains(channel) && growth > jitter {
+                found = Some(channel);
             }
         }
-        (found, any)
+        found
     }
 
     fn centre(&mut self, pulses: &[u16]) {
-        if let (Some(channel), _) = self.widen(pulses) {
+        if let Some(channel) = self.widen(pulses, self.limits.required) {
             self.restless = channel;
             self.rest_at(pulses);
         } else if self.quiet >= self.limits.rest.0 {
             for range in &mut self.ranges {
                 range.trim = range.min.midpoint(range.max);
             }
-            self.quiet = 0.0;
+            self.start_quiet();
             self.stage = Stage::Extents;
         }
     }
 
     fn extend(&mut self, pulses: &[u16]) {
-        if self.widen(pulses).1 {
-            self.quiet = 0.0;
+        if self.widen(pulses, Channels(u16::MAX)).is_some() {
+            self.start_quiet();
         }
+    }
+
+    fn start_quiet(&mut self) {
+        self.quiet = 0.0;
+        self.quiet_ranges = self.ranges;
     }
 
     /// Whether a range reaches both ends.

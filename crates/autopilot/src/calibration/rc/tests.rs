@@ -204,7 +204,7 @@ fn ends_that_creep_are_refused_when_time_is_up() {
     );
     let (end, _) = run(RcLimits::default(), |time| {
         let mut frame = pilot.frame(time, 20.0);
-        frame[5] = 1500 + (4.0 * time) as u16;
+        frame[5] = 900 + (10.0 * time) as u16;
         frame
     });
     assert_eq!(refused(end), RcRefusal::NeverLetGo);
