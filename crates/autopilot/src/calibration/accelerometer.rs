@@ -1,6 +1,6 @@
 //! The accelerometer: offset and scale of each axis, from its six sides put down in any order.
 //!
-//! A side counts when it was held down, within 25°, for a second and a half without motion. Six
+//! A side counts when it was held down, within 25°, for two seconds without motion. Six
 //! means lie on an ellipsoid whose axes are the sensor's: `scale · (mean − offset)` has the length of
 //! gravity in all of them. Written as `a·x² + b·y² + c·z² + d·x + e·y + f·z = 1` that is linear in six
 //! unknowns, so six sides give them in one solution, and a side need not lie level. (With sides that
@@ -38,7 +38,7 @@ impl Default for AccelerometerLimits {
     fn default() -> Self {
         Self {
             stillness: Stillness {
-                duration: 1.5,
+                duration: 2.0,
                 rate: 0.1,
                 force: 0.4,
             },

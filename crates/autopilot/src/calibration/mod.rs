@@ -200,4 +200,20 @@ mod tests {
         }
         assert_eq!(check(Vector3::repeat(-10.0), 10.0), Ok(()));
     }
+
+    /// If this failed, the machines would no longer fit where the firmware keeps them.
+    #[test]
+    fn machines_are_small() {
+        let sizes = [
+            size_of::<gyro::GyroCalibrator>(),
+            size_of::<level::LevelCalibrator>(),
+            size_of::<accelerometer::AccelerometerCalibrator>(),
+            size_of::<rc::RcCalibrator>(),
+            size_of::<compass::CompassCalibrator>(),
+        ];
+        let most = [160, 160, 300, 500, 2300];
+        for (size, most) in sizes.into_iter().zip(most) {
+            assert!(size <= most, "{sizes:?}");
+        }
+    }
 }
