@@ -159,15 +159,14 @@ impl CompassCalibrator {
         if let Some((axis, offset)) = Axis::beyond(correction.offset, limits.offset) {
             return Err(CompassRefusal::Offset(axis, offset));
         }
-        // Each written so that what is not a number is refused.
-        if !(spread <= limits.spread) {
+        // What is not a number lies in no range.
+        if !(0.0..=limits.spread).contains(&spread) {
             return Err(CompassRefusal::Residual(spread));
         }
-        if !(ratio <= limits.ratio) {
+        if !(1.0..=limits.ratio).contains(&ratio) {
             return Err(CompassRefusal::Ratio(ratio));
         }
-        let (least, most) = limits.strengths();
-        if !(strength >= least && strength <= most) {
+        if !limits.strengths().contains(&strength) {
             return Err(CompassRefusal::Strength(strength));
         }
         Ok(CompassCalibration {

@@ -32,7 +32,7 @@ impl Sensor {
 fn gravity(side: Side, tilt: f32, noise: &mut Noise) -> Vector3 {
     let mut down = Vector3::zeros();
     let index = side as usize;
-    down[index / 2] = if index % 2 == 0 { 1.0 } else { -1.0 };
+    down[index / 2] = if index & 1 == 0 { 1.0 } else { -1.0 };
     let across = down.cross(&noise.direction());
     let turn = Quaternion::from_rotation_vector(across * (tilt / norm(across)));
     turn.rotate(down) * GRAVITY
@@ -255,8 +255,10 @@ fn errors_that_are_none_are_refused_with_the_axis() {
 /// If this failed, means that leave the six unknowns open would give numbers all the same.
 #[test]
 fn means_that_do_not_go_together_are_refused() {
-    let mut machine = AccelerometerCalibrator::default();
-    machine.means = [Vector3::new(0.0, 0.0, -GRAVITY); 6];
+    let machine = AccelerometerCalibrator {
+        means: [Vector3::new(0.0, 0.0, -GRAVITY); 6],
+        ..Default::default()
+    };
     assert_eq!(machine.finish(), Err(AccelerometerRefusal::NoFit));
     assert!(AccelerometerRefusal::NoFit.to_string().len() > 20);
     // Opposite sides that show the same sign.

@@ -1,6 +1,7 @@
 //! What is asked of a calibration of the compass, what it asks of a human, and why there is none.
 
 use core::fmt;
+use core::ops::RangeInclusive;
 
 use super::Cells;
 use crate::calibration::{Axis, BadSample};
@@ -40,15 +41,15 @@ impl Default for CompassLimits {
     }
 }
 
-/// The earth's field anywhere, µT (World Magnetic Model), with a third for iron.
-const ANYWHERE: (f32, f32) = (15.0, 90.0);
+/// The earth's field anywhere, µT: 22 to 67 (World Magnetic Model), with a third for iron.
+const ANYWHERE: RangeInclusive<f32> = 15.0..=90.0;
 
 impl CompassLimits {
     /// Least and largest strength, µT.
-    pub(super) fn strengths(&self) -> (f32, f32) {
+    pub(super) fn strengths(&self) -> RangeInclusive<f32> {
         match self.expected {
-            Some(expected) => (expected * (1.0 - self.strength), expected * (1.0 + self.strength)),
             None => ANYWHERE,
+            Some(expected) => expected * (1.0 - self.strength)..=expected * (1.0 + self.strength),
         }
     }
 }

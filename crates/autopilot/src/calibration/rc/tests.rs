@@ -8,8 +8,8 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::calibration::Progress;
 use crate::calibration::testing::{Noise, any_duration, within_declarations};
+use crate::calibration::{BadSample, Progress};
 
 /// Frames 50 times a second.
 const INTERVAL: f32 = 0.02;
