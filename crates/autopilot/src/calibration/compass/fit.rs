@@ -23,14 +23,17 @@ pub(super) struct Shell {
 
 /// How well samples lie on a shell, all as shares of its size.
 pub(super) struct Quality {
-    /// 85 of 100 samples lie as near as this.
+    /// 85 of 100 samples lie as near as this, and half of the last ones.
     pub(super) spread: f32,
-    /// Root mean square of these 85.
+    /// Root mean square of those that lie as near.
     pub(super) residual: f32,
 }
 
 /// The share of samples that must lie on the shell.
 const GOOD_SHARE: f32 = 0.85;
+/// So many of the last samples are looked at by themselves: iron that moved late makes few outliers,
+/// but they come one after the other.
+const LAST: usize = 16;
 /// Median distance below which samples are as good as exact.
 const LEAST_MEDIAN: f32 = 1e-4;
 /// From median distance to the distance at which a weight has fallen to a quarter: three standard
@@ -142,7 +145,11 @@ impl Shell {
     pub(super) fn quality(&self, samples: &[Vector3]) -> Quality {
         let all = self.distances(samples);
         let distances = all.get(..samples.len()).unwrap_or(&[]);
-        let spread = quantile(distances, GOOD_SHARE);
+        let good = quantile(distances, GOOD_SHARE);
+        let last = distances
+            .get(distances.len().saturating_sub(LAST)..)
+            .unwrap_or(&[]);
+        let spread = windhover_math::max(good, quantile(last, 0.5));
         let (mut count, mut sum) = (0.0, 0.0);
         for distance in distances.iter().filter(|distance| **distance <= spread) {
             count += 1.0;
@@ -191,6 +198,7 @@ fn quantile(numbers: &[f32], share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::testing::Noise;
 
     /// If this failed, the weights would follow the outliers, or nothing.
     #[test]
@@ -236,5 +244,28 @@ mod tests {
             "{sphere:?}"
         );
         assert_eq!(quadric(&ring, &[1.0; CAPACITY], &sphere), None);
+    }
+
+    /// If this failed, iron that moved when nearly all was done would be one outlier among others.
+    #[test]
+    fn the_last_samples_are_looked_at_by_themselves() {
+        let mut noise = Noise::new(9);
+        let mut samples = [Vector3::zeros(); CAPACITY];
+        for sample in &mut samples {
+            *sample = noise.direction() * 50.0;
+        }
+        let shell = Shell {
+            centre: Vector3::zeros(),
+            shape: Matrix3::identity() / 50.0,
+        };
+        assert!(shell.quality(&samples).spread < 1e-5);
+        for sample in &mut samples[..10] {
+            *sample *= 1.2;
+        }
+        assert!(shell.quality(&samples).spread < 1e-5);
+        for sample in &mut samples[150..] {
+            *sample *= 1.2;
+        }
+        assert!((shell.quality(&samples).spread - 0.2).abs() < 1e-5);
     }
 }

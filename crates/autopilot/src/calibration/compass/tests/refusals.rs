@@ -24,7 +24,8 @@ fn turning_about_one_axis_only_is_refused_for_coverage() {
 }
 
 /// If this failed, iron that moved half-way (a battery put elsewhere, a car that drove by) would give
-/// a mean of two calibrations that is right for neither.
+/// a mean of two calibrations that is right for neither. (Of 300 other seeds one of 25 µT is refused for
+/// coverage and all others for the residual; moves by 10 µT pass once, by 5 µT in one of six.)
 #[test]
 fn iron_that_moves_is_refused_for_the_residual() {
     for seed in 0..40 {
