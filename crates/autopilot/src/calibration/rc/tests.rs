@@ -115,6 +115,24 @@ fn ends_and_middles_are_those_of_the_sticks() {
     }
 }
 
+/// If this failed, the middle would lie at one end of the jitter.
+#[test]
+fn the_middle_is_that_of_the_jitter() {
+    let (mut pilot, mut odd) = (Pilot::new(2), false);
+    let (end, _) = run(RcLimits::default(), |time| {
+        let mut frame = pilot.frame(time, 20.0);
+        if time < 3.0 {
+            odd = !odd;
+            frame[0] = if odd { 1490 } else { 1506 };
+        }
+        frame
+    });
+    let Progress::Done(found) = end else {
+        panic!("{end:?}");
+    };
+    assert_eq!(found.channels[0].unwrap().trim, 1498);
+}
+
 /// If this failed, a channel would be stored as another one, or out of its range; one that was not
 /// calibrated must keep what it had.
 #[test]
