@@ -11,6 +11,7 @@
 
 pub mod aiding;
 pub mod estimation;
+pub mod calibration;
 pub mod inner;
 pub mod io;
 pub mod mission;

@@ -28,6 +28,17 @@ parameters! {
         accel_scale_x: "CAL_ACC0_XSCALE", "", 0.9..=1.1, 1.0, "Accelerometer scale, front axis";
         accel_scale_y: "CAL_ACC0_YSCALE", "", 0.9..=1.1, 1.0, "Accelerometer scale, right axis";
         accel_scale_z: "CAL_ACC0_ZSCALE", "", 0.9..=1.1, 1.0, "Accelerometer scale, down axis";
+        compass_x: "CAL_MAG0_XOFF_UT", "uT", -500.0..=500.0, 0.0, "Compass offset (hard iron), front axis; PX4 has the same in gauss";
+        compass_y: "CAL_MAG0_YOFF_UT", "uT", -500.0..=500.0, 0.0, "Compass offset (hard iron), right axis; PX4 has the same in gauss";
+        compass_z: "CAL_MAG0_ZOFF_UT", "uT", -500.0..=500.0, 0.0, "Compass offset (hard iron), down axis; PX4 has the same in gauss";
+        compass_scale_x: "CAL_MAG0_XSCALE", "", 0.5..=2.0, 1.0, "Compass scale (soft iron), front axis";
+        compass_scale_y: "CAL_MAG0_YSCALE", "", 0.5..=2.0, 1.0, "Compass scale (soft iron), right axis";
+        compass_scale_z: "CAL_MAG0_ZSCALE", "", 0.5..=2.0, 1.0, "Compass scale (soft iron), down axis";
+        compass_cross_xy: "CAL_MAG0_XODIAG", "", -0.5..=0.5, 0.0, "Compass soft iron off the diagonal, front to right";
+        compass_cross_xz: "CAL_MAG0_YODIAG", "", -0.5..=0.5, 0.0, "Compass soft iron off the diagonal, front to down";
+        compass_cross_yz: "CAL_MAG0_ZODIAG", "", -0.5..=0.5, 0.0, "Compass soft iron off the diagonal, right to down";
+        level_roll: "CAL_LEVEL_ROLL", "rad", -0.3..=0.3, 0.0, "Roll that the board shows while the vehicle stands level";
+        level_pitch: "CAL_LEVEL_PITCH", "rad", -0.3..=0.3, 0.0, "Pitch that the board shows while the vehicle stands level";
     }
 }
 

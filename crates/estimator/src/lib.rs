@@ -9,6 +9,7 @@
 //! - [`measurement`]: one file a sensor. [`history`]: where the vehicle was when it measured.
 //! - [`gate`]: whether a measurement is believed. [`health`]: what that says of the sensor.
 //! - [`alignment`]: the first attitude, at rest. [`accuracy`]: what the filter claims.
+//! - [`doubt`]: how a filter that is sure of itself, and wrong, learns again.
 //! - [`border`]: what it refuses. [`noise`]: what the inertial sensors are like.
 #![no_std]
 
@@ -16,6 +17,7 @@ pub mod accuracy;
 pub mod alignment;
 pub mod border;
 pub mod covariance;
+pub mod doubt;
 pub mod filter;
 pub mod gate;
 pub mod health;

@@ -1,10 +1,11 @@
 //! What the filter is given of each sensor, and when.
 
+use windhover_estimator::doubt::{Doubt, Leaning};
 use windhover_estimator::gate::Report;
 use windhover_estimator::measurement::{BarometricHeight, MagneticField};
 use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Reset, Sensor};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
-use windhover_math::{Vector3, saturate, sqrt};
+use windhover_math::{Vector3, min, saturate, sqrt};
 
 use super::interference::{Interference, load};
 use super::{OuterConfig, Settings, is_still};
@@ -16,6 +17,16 @@ const REST: (f32, f32) = (0.05, 0.01);
 /// How far the specific force is from gravity's in flight, in a mean over 4 ms, m/s². It counts
 /// only while no velocity is measured.
 const FLIGHT_FORCE: f32 = 2.0;
+
+/// When the inertial sensors are doubted: how far tilt (rad), the gyro's bias (rad/s) and the
+/// accelerometer's (m/s²) may then be off.
+const DOUBT_TILT: f32 = 0.04;
+const DOUBT_GYRO: f32 = 0.02;
+const DOUBT_ACCEL: f32 = 0.3;
+/// So often in a row; then one more in 100 fixes. A velocity that still goes another way is wrong
+/// itself.
+const DOUBTS: f32 = 3.0;
+const DOUBTS_PER_FIX: f32 = 0.01;
 
 /// A receiver that declares less than this knows the height better than the barometer does, m.
 const PRECISE_HEIGHT: f32 = 0.2;
@@ -57,6 +68,9 @@ pub(super) struct Aiding {
     receiver: f32,
     /// The last step that the estimate made.
     step: Option<Reset>,
+    leaning: [Leaning; 3],
+    /// How often the inertial sensors may still be doubted.
+    patience: f32,
 }
 
 impl Aiding {
@@ -71,6 +85,8 @@ impl Aiding {
             height_offset: None,
             receiver: 0.0,
             step: None,
+            leaning: [Leaning::default(); 3],
+            patience: DOUBTS,
         }
     }
 
@@ -240,6 +256,7 @@ impl Aiding {
         }
         self.note(outcome);
         let outcome = filter.fuse_gnss_velocity(&sample.velocity(time));
+        self.doubt(filter, &outcome);
         self.note(outcome);
 
         let difference = position.position.z - filter.state().position.z;
@@ -256,6 +273,24 @@ impl Aiding {
             let outcome = filter.fuse_gnss_height(&position);
             self.note(outcome);
         }
+    }
+
+    /// A velocity that goes another way than the inertial sensors say: they are wrong by more than
+    /// the filter thinks.
+    fn doubt(&mut self, filter: &mut Filter, outcome: &Result<Report<3>, Refusal>) {
+        let Ok(report) = outcome else { return };
+        let leans = report.tests.iter().zip(&mut self.leaning);
+        let leans = leans.fold(false, |any, (test, leaning)| leaning.look(test) || any);
+        if leans && self.patience >= 1.0 {
+            self.patience -= 1.0;
+            filter.doubt(&Doubt {
+                tilt: DOUBT_TILT,
+                heading: 0.0,
+                gyro_bias: [DOUBT_GYRO, DOUBT_GYRO, 0.0],
+                accel_bias: DOUBT_ACCEL,
+            });
+        }
+        self.patience = min(DOUBTS, self.patience + DOUBTS_PER_FIX);
     }
 
     /// On the ground: no velocity, no rate. In flight without a measured velocity: the specific

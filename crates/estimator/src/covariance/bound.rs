@@ -33,6 +33,13 @@ impl Limits {
 }
 
 impl Covariance {
+    /// Adds to the variance of a state; what it has to do with the others stays.
+    pub(crate) fn widen(&mut self, group: Group, axis: Axis, more: f32) {
+        let k = axis as usize;
+        let (_, _, diagonal) = self.blocks_of(group);
+        diagonal[k][k] = windhover_math::min(diagonal[k][k] + more, Limits::of(group).ceiling);
+    }
+
     /// Forgets what a state has to do with the others, and gives it this variance.
     pub(crate) fn decouple(&mut self, group: Group, axis: Axis, variance: f32) {
         let k = axis as usize;
