@@ -10,8 +10,8 @@
 #![no_std]
 
 pub mod aiding;
-pub mod estimation;
 pub mod calibration;
+pub mod estimation;
 pub mod inner;
 pub mod io;
 pub mod mission;

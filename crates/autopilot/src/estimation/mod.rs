@@ -6,9 +6,11 @@
 //! inertial increments carry it on; when it falls silent the filter begins where it left off.
 //!
 //! - [`handover`]: steps of the estimate, kept away from the controllers.
+//! - `heading_watch`: how far a compass is trusted. `sensors`: what the filter is given.
 //! - [`interference`]: what the motors' current does to the compass.
 
 pub mod handover;
+mod heading_watch;
 pub mod interference;
 mod sensors;
 

@@ -3,10 +3,11 @@
 use windhover_estimator::doubt::{Doubt, Leaning};
 use windhover_estimator::gate::Report;
 use windhover_estimator::measurement::{BarometricHeight, MagneticField};
-use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Reset, Sensor};
+use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Reset, Sensor, Verdict};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{Vector3, min, saturate, sqrt};
 
+use super::heading_watch::HeadingWatch;
 use super::interference::{Interference, load};
 use super::{OuterConfig, Settings, is_still};
 use crate::aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample, PressureLevel};
@@ -20,9 +21,11 @@ const FLIGHT_FORCE: f32 = 2.0;
 
 /// When the inertial sensors are doubted: how far tilt (rad), the gyro's bias (rad/s) and the
 /// accelerometer's (m/s²) may then be off.
-const DOUBT_TILT: f32 = 0.04;
+const DOUBT_TILT: f32 = 0.02;
 const DOUBT_GYRO: f32 = 0.02;
-const DOUBT_ACCEL: f32 = 0.3;
+const DOUBT_ACCEL: f32 = 0.15;
+/// And the heading, rad.
+const DOUBT_HEADING: f32 = 0.05;
 /// So often in a row; then one more in 100 fixes. A velocity that still goes another way is wrong
 /// itself.
 const DOUBTS: f32 = 3.0;
@@ -69,6 +72,7 @@ pub(super) struct Aiding {
     /// The last step that the estimate made.
     step: Option<Reset>,
     leaning: [Leaning; 3],
+    heading: HeadingWatch,
     /// How often the inertial sensors may still be doubted.
     patience: f32,
 }
@@ -86,6 +90,7 @@ impl Aiding {
             receiver: 0.0,
             step: None,
             leaning: [Leaning::default(); 3],
+            heading: HeadingWatch::default(),
             patience: DOUBTS,
         }
     }
@@ -224,18 +229,24 @@ impl Aiding {
         else {
             return;
         };
-        // Samples so close err alike: together they say no more than one in that time.
-        let alike = if elapsed > 1e-3 {
-            2.0 * settings.estimation.compass_correlation / elapsed
-        } else {
-            0.0
-        };
+        let trust = self.heading.trust(settings.estimation.compass_correlation, elapsed);
         let outcome = filter.fuse_compass(&MagneticField {
             time: sample.time.min(now),
             field,
-            repeats: 1.0 + alike,
+            repeats: trust.repeats,
+            declination: self.declination - trust.offset,
             ..measured
         });
+        if let Ok(report) = &outcome
+            && let [test] = &report.tests
+            && self.heading.look(test.innovation + trust.offset, test.variance, elapsed)
+        {
+            filter.doubt(&Doubt {
+                heading: DOUBT_HEADING,
+                gyro_bias: [0.0, 0.0, DOUBT_GYRO],
+                ..Doubt::default()
+            });
+        }
         self.note(outcome);
     }
 
@@ -278,7 +289,11 @@ impl Aiding {
     /// A velocity that goes another way than the inertial sensors say: they are wrong by more than
     /// the filter thinks.
     fn doubt(&mut self, filter: &mut Filter, outcome: &Result<Report<3>, Refusal>) {
+        // A velocity that fails the gate at once is the receiver's doing.
         let Ok(report) = outcome else { return };
+        if report.verdict == Verdict::Rejected {
+            return;
+        }
         let leans = report.tests.iter().zip(&mut self.leaning);
         let leans = leans.fold(false, |any, (test, leaning)| leaning.look(test) || any);
         if leans && self.patience >= 1.0 {
