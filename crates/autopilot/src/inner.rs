@@ -1,7 +1,7 @@
 //! The inner step: from one sample to four motor commands, a thousand or more times a second.
 //!
 //! At each tick, in this order: the sample and the latch of urgent commands; at a boundary, the
-//! outer result that waits; predictor, attitude control, mixer; at a boundary, the snapshot for
+//! outer result that waits; predictor, gyro filter, attitude control, mixer; at a boundary, the snapshot for
 //! the outer step. This order and [`crate::schedule`] are what replay repeats.
 //!
 //! Motors turn only while two independent things allow it: the adopted outer result says so, and
@@ -15,6 +15,7 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_estimator::AttitudePredictor;
 use windhover_math::{GRAVITY, Quaternion, Vector3, max, min};
 
+use crate::gyro_filter::{FilterParameters, GyroFilter};
 use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 use crate::outer::OuterResult;
 use crate::parameters::Parameters;
@@ -50,7 +51,9 @@ pub struct InnerParameters {
     gains: AttitudeGains,
     mixer: Mixer,
     calibration: CalibrationParameters,
+    filter: FilterParameters,
     idle: u16,
+    rotor_speed_max: f32,
     rotor_lag: f32,
     weight: f32,
 }
@@ -62,7 +65,9 @@ impl InnerParameters {
             gains: AttitudeGains::new(&parameters.attitude, parameters.vehicle.inertia()),
             mixer: Mixer::new(&parameters.vehicle, parameters.motor.idle)?,
             calibration: parameters.calibration,
+            filter: parameters.filter,
             idle: (parameters.motor.idle * FULL_COMMAND) as u16,
+            rotor_speed_max: parameters.vehicle.rotor_speed_max,
             rotor_lag: parameters.vehicle.rotor_lag,
             weight: parameters.vehicle.mass * GRAVITY,
         })
@@ -141,6 +146,7 @@ pub struct Inner {
     sensing: SensingBorder,
     schedule: Schedule,
     predictor: AttitudePredictor,
+    filter: GyroFilter,
     controller: AttitudeController,
     setpoint: AttitudeSetpoint,
     /// Time since the setpoint's snapshot, s.
@@ -169,6 +175,11 @@ impl Inner {
             parameters,
             schedule: Schedule::new(config.k()),
             predictor: AttitudePredictor::default(),
+            filter: GyroFilter::new(
+                &parameters.filter,
+                parameters.rotor_speed_max,
+                config.imu_rate as f32,
+            ),
             controller: AttitudeController::default(),
             setpoint: AttitudeSetpoint {
                 attitude: Quaternion::IDENTITY,
@@ -217,7 +228,7 @@ impl Inner {
         let tick = self.schedule.tick();
         let record = self.schedule.advance(adopted);
         self.watch_outer();
-        let motors = self.step(dt);
+        let motors = self.step(matches!(input.imu, Imu::Sample { .. }), dt);
         if record.is_some_and(|record| record.snapshot_taken) {
             mailboxes.snapshot = Some(self.snapshot(tick, &mut mailboxes.queues));
         }
@@ -261,6 +272,9 @@ impl Inner {
         if let Some(parameters) = result.parameters {
             self.controller.retune(&self.parameters.gains, &parameters.gains);
             self.sensing = SensingBorder::new(&self.config.rotation, &parameters.calibration);
+            let rate = self.config.imu_rate as f32;
+            self.filter
+                .retune(&parameters.filter, parameters.rotor_speed_max, rate);
             self.parameters = parameters;
         }
         self.predictor.adopt(result.attitude, result.gyro_bias);
@@ -292,17 +306,23 @@ impl Inner {
         }
     }
 
-    /// Predictor, attitude control and mixer.
+    /// Predictor, gyro filter, attitude control and mixer. Without a new sample, control goes on
+    /// with the last filtered rate.
     #[inline]
-    fn step(&mut self, dt: f32) -> MotorCommand {
+    fn step(&mut self, is_sampled: bool, dt: f32) -> MotorCommand {
         self.predictor.predict(self.inertial.rate, dt);
+        if is_sampled {
+            self.filter.step(self.predictor.rate());
+        }
         let force = self.predictor.since_mark().rotate(self.inertial.specific_force);
         self.setpoint_age += dt;
+        let rotor_share = low_pass_share(self.parameters.rotor_lag, dt);
         let command = match self.motors {
             MotorState::Disarmed => self.at_rest(MotorCommand::Disarmed),
             MotorState::Idle => self.at_rest(MotorCommand::Idle(self.parameters.idle)),
-            MotorState::Run => self.run(dt),
+            MotorState::Run => self.run(dt, rotor_share),
         };
+        self.filter.follow(&command, rotor_share);
         self.increments.velocity += force * dt;
         self.increments.duration += dt;
         self.increments.ticks = self.increments.ticks.saturating_add(1);
@@ -318,10 +338,10 @@ impl Inner {
     }
 
     #[inline]
-    fn run(&mut self, dt: f32) -> MotorCommand {
+    fn run(&mut self, dt: f32, rotor_share: f32) -> MotorCommand {
         let estimate = AttitudeEstimate {
             attitude: self.predictor.attitude(),
-            rate: self.predictor.rate(),
+            rate: self.filter.rate(),
         };
         let age = if self.descending { 0.0 } else { self.setpoint_age };
         let torque = self.controller.step(
@@ -337,16 +357,16 @@ impl Inner {
             torque,
         };
         let mixed = self.parameters.mixer.mix(&demand, self.landed);
-        self.account(&demand, &mixed, dt);
+        self.account(&demand, &mixed, dt, rotor_share);
         MotorCommand::Run(mixed.command)
     }
 
-    /// Keeps what the mixer changed, and what thrust the rotors should have by now.
+    /// Keeps what the mixer changed, and what thrust the rotors should have by now: they go by
+    /// `rotor_share` of the way.
     #[inline]
-    fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32) {
+    fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32, rotor_share: f32) {
         self.torque_shortfall = mixed.applied.torque - demand.torque;
-        let share = low_pass_share(self.parameters.rotor_lag, dt);
-        self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * share;
+        self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * rotor_share;
         self.increments.thrust_shortfall += (mixed.applied.thrust - demand.thrust) * dt;
         self.increments.saturated = self
             .increments

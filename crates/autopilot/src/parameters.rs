@@ -6,6 +6,7 @@ use windhover_control::observer::ObserverParameters;
 use windhover_control::position::PositionParameters;
 use windhover_parameters::{parameter_groups, parameters};
 
+use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
 use crate::sensing::CalibrationParameters;
 
@@ -41,6 +42,7 @@ parameter_groups! {
         observer: ObserverParameters,
         mission: MissionParameters,
         calibration: CalibrationParameters,
+        filter: FilterParameters,
         board: BoardParameters,
     }
 }

@@ -1,0 +1,186 @@
+//! The filter between the gyro and attitude control: a notch at each rotor's frequency, and a
+//! low-pass filter.
+//!
+//! Rotors shake the gyro at the frequencies at which they turn. These are known: the commands are
+//! shares of the largest rotor speed, and rotors follow them with a lag. So nothing is searched
+//! for in a spectrum; each notch follows its rotor, one of the four a sample.
+//!
+//! Only the rate that attitude control sees is filtered. The attitude is integrated from every
+//! sample as it comes, without delay.
+//!
+//! A notch is faded out where it would harm or cannot work: near the frequencies at which control
+//! works, with rotors at rest, and near half the sample rate.
+
+mod section;
+#[cfg(test)]
+mod tests;
+
+use core::f32::consts::TAU;
+
+use windhover_control::mixer::FULL_COMMAND;
+use windhover_math::{Vector3, max, min};
+use windhover_parameters::parameters;
+
+use crate::io::MotorCommand;
+use section::{LowPass, Notch, Past, Width};
+
+parameters! {
+    /// What attitude control does not see of the gyro.
+    pub struct FilterParameters {
+        cutoff: "IMU_GYRO_CUTOFF", "Hz", 0.0..=1000.0, 120.0, "Cutoff of the gyro's low-pass filter of second order; none below 5 Hz and above 0.45 of the sample rate";
+        notches: "IMU_GYRO_DNF_EN", "", 0.0..=1.0, 1.0, "Whether notches take the rotors' frequencies out of the gyro's signal: 1 for yes, 0 for no";
+        notch_width: "IMU_GYRO_DNF_BW", "Hz", 1.0..=50.0, 5.0, "Width of each rotor's notch between its points of -3 dB";
+        notch_least: "IMU_GYRO_DNF_MIN", "Hz", 10.0..=200.0, 20.0, "Rotor frequency up to which there is no notch; from 1.25 times this on it is full";
+    }
+}
+
+/// Below this cutoff there is no low-pass filter: no vehicle flies with such a delay, Hz.
+const CUTOFF_LEAST: f32 = 5.0;
+
+/// Nothing is filtered at frequencies above this share of the sample rate.
+const HIGHEST: f32 = 0.45;
+
+/// Over this share of the sample rate, up to the highest, notches fade out.
+const FADE_HIGH: f32 = 0.05;
+
+/// Over this share of the least frequency, from there up, notches fade in.
+const FADE_LOW: f32 = 0.25;
+
+/// The parameters in the form in which a step uses them; angles are in rad a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Design {
+    low_pass: Option<LowPass>,
+    width: Width,
+    /// Weight of a notch in the middle of the range: 0 or 1.
+    weight: f32,
+    least: f32,
+    /// Weight per angle above the least.
+    rise: f32,
+    /// Angle by which a rotor turns in a sample, per unit of command.
+    per_command: f32,
+}
+
+impl Design {
+    /// For `rate` samples a second, and rotors that turn with `rotor_speed_max` (rad/s) at most.
+    fn new(parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) -> Self {
+        let p = parameters;
+        let cutoff = p.cutoff / rate;
+        let least = TAU * p.notch_least / rate;
+        Self {
+            low_pass: (p.cutoff >= CUTOFF_LEAST && cutoff <= HIGHEST).then(|| LowPass::new(cutoff)),
+            width: Width::new(p.notch_width / rate),
+            weight: if p.notches >= 0.5 { 1.0 } else { 0.0 },
+            least,
+            rise: 1.0 / (FADE_LOW * least),
+            per_command: rotor_speed_max / (FULL_COMMAND * rate),
+        }
+    }
+
+    /// The notch for a rotor that turns by `angle` a sample.
+    #[inline]
+    fn notch(&self, angle: f32) -> Notch {
+        let above = (angle - self.least) * self.rise;
+        let below = (TAU * HIGHEST - angle) * (1.0 / (TAU * FADE_HIGH));
+        let weight = max(0.0, min(self.weight, min(above, below)));
+        let inside = min(TAU * HIGHEST, max(self.least, angle));
+        self.width.notch(inside, weight)
+    }
+}
+
+/// The filter with its memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GyroFilter {
+    design: Design,
+    /// Angle by which each rotor is thought to turn in a sample, rad.
+    turn: [f32; 4],
+    notches: [Notch; 4],
+    /// Whose notch is renewed at the next sample.
+    rotor: usize,
+    /// Whether there has been a sample.
+    started: bool,
+    input: Past,
+    /// Behind each notch.
+    between: [Past; 4],
+    output: Past,
+}
+
+impl GyroFilter {
+    /// For `rate` samples a second, and rotors that turn with `rotor_speed_max` (rad/s) at full
+    /// command; before the first sample, with rotors at rest.
+    pub fn new(parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) -> Self {
+        let design = Design::new(parameters, rotor_speed_max, rate);
+        Self {
+            design,
+            turn: [0.0; 4],
+            notches: [design.notch(0.0); 4],
+            rotor: 0,
+            started: false,
+            input: Past::default(),
+            between: [Past::default(); 4],
+            output: Past::default(),
+        }
+    }
+
+    /// Takes on new parameters without a jump: what is remembered are signals, and stays. Each
+    /// notch takes them on when its turn comes.
+    pub fn retune(&mut self, parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) {
+        let design = Design::new(parameters, rotor_speed_max, rate);
+        // Rotors turn as they did, whatever full command means now.
+        self.design = design;
+    }
+
+    /// Rotors follow their commands by `share` (0 to 1) of the way: once a tick.
+    #[inline]
+    pub fn follow(&mut self, command: &MotorCommand, share: f32) {
+        let commands = command.rotors().unwrap_or([0; 4]);
+        for (turn, command) in self.turn.iter_mut().zip(commands) {
+            *turn += (f32::from(command) * self.design.per_command - *turn) * share;
+        }
+    }
+
+    /// Takes in a sample (body FRD, rad/s, without bias): once a sample. The first one is taken
+    /// for what the rate has always been.
+    #[inline(never)]
+    pub fn step(&mut self, rate: Vector3) {
+        if !self.started {
+            self.start(rate);
+        }
+        self.renew_notch();
+        let (mut now, mut past) = (rate, self.input);
+        self.input.push(now);
+        for (notch, output) in self.notches.iter().zip(&mut self.between) {
+            let before = *output;
+            now = notch.apply(now, &past, &before);
+            output.push(now);
+            past = before;
+        }
+        if let Some(low_pass) = &self.design.low_pass {
+            now = low_pass.apply(now, &past, &self.output);
+        }
+        self.output.push(now);
+    }
+
+    /// The filtered rate at the last sample, body FRD, rad/s.
+    #[inline]
+    pub fn rate(&self) -> Vector3 {
+        self.output.one
+    }
+
+    #[cold]
+    fn start(&mut self, rate: Vector3) {
+        let settled = Past::settled(rate);
+        self.input = settled;
+        self.between = [settled; 4];
+        self.output = settled;
+        self.started = true;
+    }
+
+    /// One rotor's notch follows it.
+    #[inline]
+    fn renew_notch(&mut self) {
+        if let (Some(notch), Some(turn)) = (self.notches.get_mut(self.rotor), self.turn.get(self.rotor)) {
+            *notch = self.design.notch(*turn);
+        }
+        self.rotor = (self.rotor + 1) % 4;
+    }
+}
