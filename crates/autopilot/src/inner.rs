@@ -1,8 +1,8 @@
 //! The inner step: from one sample to four motor commands, a thousand or more times a second.
 //!
 //! At each tick, in this order: the sample and the latch of urgent commands; at a boundary, the
-//! outer result that waits; predictor, gyro filter, attitude control, mixer; at a boundary, the snapshot for
-//! the outer step. This order and [`crate::schedule`] are what replay repeats.
+//! outer result that waits; predictor, gyro filter, attitude control, mixer; at a boundary, the
+//! snapshot for the outer step. This order and [`crate::schedule`] are what replay repeats.
 //!
 //! Motors turn only while two independent things allow it: the adopted outer result says so, and
 //! the inner step's own latch is open. Kill, disarm and 20 ms without a sample close the latch in
@@ -15,7 +15,7 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_estimator::AttitudePredictor;
 use windhover_math::{GRAVITY, Quaternion, Vector3, max, min};
 
-use crate::gyro_filter::{FilterParameters, GyroFilter};
+use crate::gyro_filter::{FilterParameters, GyroFilter, Rotors};
 use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 use crate::outer::OuterResult;
 use crate::parameters::Parameters;
@@ -53,8 +53,7 @@ pub struct InnerParameters {
     calibration: CalibrationParameters,
     filter: FilterParameters,
     idle: u16,
-    rotor_speed_max: f32,
-    rotor_lag: f32,
+    rotors: Rotors,
     weight: f32,
 }
 
@@ -67,8 +66,10 @@ impl InnerParameters {
             calibration: parameters.calibration,
             filter: parameters.filter,
             idle: (parameters.motor.idle * FULL_COMMAND) as u16,
-            rotor_speed_max: parameters.vehicle.rotor_speed_max,
-            rotor_lag: parameters.vehicle.rotor_lag,
+            rotors: Rotors {
+                speed_max: parameters.vehicle.rotor_speed_max,
+                lag: parameters.vehicle.rotor_lag,
+            },
             weight: parameters.vehicle.mass * GRAVITY,
         })
     }
@@ -175,11 +176,7 @@ impl Inner {
             parameters,
             schedule: Schedule::new(config.k()),
             predictor: AttitudePredictor::default(),
-            filter: GyroFilter::new(
-                &parameters.filter,
-                parameters.rotor_speed_max,
-                config.imu_rate as f32,
-            ),
+            filter: GyroFilter::new(&parameters.filter, &parameters.rotors, config.imu_rate as f32),
             controller: AttitudeController::default(),
             setpoint: AttitudeSetpoint {
                 attitude: Quaternion::IDENTITY,
@@ -273,8 +270,7 @@ impl Inner {
             self.controller.retune(&self.parameters.gains, &parameters.gains);
             self.sensing = SensingBorder::new(&self.config.rotation, &parameters.calibration);
             let rate = self.config.imu_rate as f32;
-            self.filter
-                .retune(&parameters.filter, parameters.rotor_speed_max, rate);
+            self.filter.retune(&parameters.filter, &parameters.rotors, rate);
             self.parameters = parameters;
         }
         self.predictor.adopt(result.attitude, result.gyro_bias);
@@ -316,13 +312,12 @@ impl Inner {
         }
         let force = self.predictor.since_mark().rotate(self.inertial.specific_force);
         self.setpoint_age += dt;
-        let rotor_share = low_pass_share(self.parameters.rotor_lag, dt);
         let command = match self.motors {
             MotorState::Disarmed => self.at_rest(MotorCommand::Disarmed),
             MotorState::Idle => self.at_rest(MotorCommand::Idle(self.parameters.idle)),
-            MotorState::Run => self.run(dt, rotor_share),
+            MotorState::Run => self.run(dt),
         };
-        self.filter.follow(&command, rotor_share);
+        self.filter.follow(&command);
         self.increments.velocity += force * dt;
         self.increments.duration += dt;
         self.increments.ticks = self.increments.ticks.saturating_add(1);
@@ -338,7 +333,7 @@ impl Inner {
     }
 
     #[inline]
-    fn run(&mut self, dt: f32, rotor_share: f32) -> MotorCommand {
+    fn run(&mut self, dt: f32) -> MotorCommand {
         let estimate = AttitudeEstimate {
             attitude: self.predictor.attitude(),
             rate: self.filter.rate(),
@@ -357,16 +352,16 @@ impl Inner {
             torque,
         };
         let mixed = self.parameters.mixer.mix(&demand, self.landed);
-        self.account(&demand, &mixed, dt, rotor_share);
+        self.account(&demand, &mixed, dt);
         MotorCommand::Run(mixed.command)
     }
 
-    /// Keeps what the mixer changed, and what thrust the rotors should have by now: they go by
-    /// `rotor_share` of the way.
+    /// Keeps what the mixer changed, and what thrust the rotors should have by now.
     #[inline]
-    fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32, rotor_share: f32) {
+    fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32) {
         self.torque_shortfall = mixed.applied.torque - demand.torque;
-        self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * rotor_share;
+        let share = low_pass_share(self.parameters.rotors.lag, dt);
+        self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * share;
         self.increments.thrust_shortfall += (mixed.applied.thrust - demand.thrust) * dt;
         self.increments.saturated = self
             .increments

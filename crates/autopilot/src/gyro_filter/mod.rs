@@ -1,5 +1,5 @@
-//! The filter between the gyro and attitude control: a notch at each rotor's frequency, and a
-//! low-pass filter.
+//! The filter between the gyro and attitude control: a low-pass filter, and a notch at each
+//! rotor's frequency.
 //!
 //! Rotors shake the gyro at the frequencies at which they turn. These are known: the commands are
 //! shares of the largest rotor speed, and rotors follow them with a lag. So nothing is searched
@@ -18,6 +18,7 @@ mod tests;
 use core::f32::consts::TAU;
 
 use windhover_control::mixer::FULL_COMMAND;
+use windhover_control::pid::low_pass_share;
 use windhover_math::{Vector3, max, min};
 use windhover_parameters::parameters;
 
@@ -46,6 +47,15 @@ const FADE_HIGH: f32 = 0.05;
 /// Over this share of the least frequency, from there up, notches fade in.
 const FADE_LOW: f32 = 0.25;
 
+/// What the filter knows of the rotors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotors {
+    /// Speed at full command, rad/s.
+    pub speed_max: f32,
+    /// Time constant with which they follow their commands, s.
+    pub lag: f32,
+}
+
 /// The parameters in the form in which a step uses them; angles are in rad a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Design {
@@ -58,31 +68,35 @@ struct Design {
     rise: f32,
     /// Angle by which a rotor turns in a sample, per unit of command.
     per_command: f32,
+    /// Share of the way to its command that a rotor goes in four samples.
+    share: f32,
 }
 
 impl Design {
-    /// For `rate` samples a second, and rotors that turn with `rotor_speed_max` (rad/s) at most.
-    fn new(parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) -> Self {
+    /// For these rotors and `rate` samples a second.
+    fn new(parameters: &FilterParameters, rotors: &Rotors, rate: f32) -> Self {
         let p = parameters;
         let cutoff = p.cutoff / rate;
-        let least = TAU * p.notch_least / rate;
+        let least = min(TAU * HIGHEST, TAU * p.notch_least / rate);
         Self {
             low_pass: (p.cutoff >= CUTOFF_LEAST && cutoff <= HIGHEST).then(|| LowPass::new(cutoff)),
             width: Width::new(p.notch_width / rate),
             weight: if p.notches >= 0.5 { 1.0 } else { 0.0 },
             least,
             rise: 1.0 / (FADE_LOW * least),
-            per_command: rotor_speed_max / (FULL_COMMAND * rate),
+            per_command: rotors.speed_max / (FULL_COMMAND * rate),
+            share: low_pass_share(rotors.lag, 4.0 / rate),
         }
     }
 
     /// The notch for a rotor that turns by `angle` a sample.
     #[inline]
     fn notch(&self, angle: f32) -> Notch {
-        let above = (angle - self.least) * self.rise;
-        let below = (TAU * HIGHEST - angle) * (1.0 / (TAU * FADE_HIGH));
-        let weight = max(0.0, min(self.weight, min(above, below)));
-        let inside = min(TAU * HIGHEST, max(self.least, angle));
+        let most = TAU * HIGHEST;
+        let inside = min(most, max(self.least, angle));
+        let above = (inside - self.least) * self.rise;
+        let below = (most - inside) * (1.0 / (TAU * FADE_HIGH));
+        let weight = min(self.weight, min(above, below));
         self.width.notch(inside, weight)
     }
 }
@@ -91,51 +105,51 @@ impl Design {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GyroFilter {
     design: Design,
+    /// The last commands.
+    commands: [u16; 4],
     /// Angle by which each rotor is thought to turn in a sample, rad.
     turn: [f32; 4],
     notches: [Notch; 4],
-    /// Whose notch is renewed at the next sample.
+    /// Which rotor's turn it is at the next sample.
     rotor: usize,
     /// Whether there has been a sample.
     started: bool,
     input: Past,
-    /// Behind each notch.
-    between: [Past; 4],
-    output: Past,
+    /// Behind the low-pass filter.
+    smooth: Past,
+    /// What each notch took out.
+    tones: [Past; 4],
+    output: Vector3,
 }
 
 impl GyroFilter {
-    /// For `rate` samples a second, and rotors that turn with `rotor_speed_max` (rad/s) at full
-    /// command; before the first sample, with rotors at rest.
-    pub fn new(parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) -> Self {
-        let design = Design::new(parameters, rotor_speed_max, rate);
+    /// For these rotors, at rest, and `rate` samples a second; before the first sample.
+    pub fn new(parameters: &FilterParameters, rotors: &Rotors, rate: f32) -> Self {
+        let design = Design::new(parameters, rotors, rate);
         Self {
             design,
+            commands: [0; 4],
             turn: [0.0; 4],
             notches: [design.notch(0.0); 4],
             rotor: 0,
             started: false,
             input: Past::default(),
-            between: [Past::default(); 4],
-            output: Past::default(),
+            smooth: Past::default(),
+            tones: [Past::default(); 4],
+            output: Vector3::zeros(),
         }
     }
 
-    /// Takes on new parameters without a jump: what is remembered are signals, and stays. Each
-    /// notch takes them on when its turn comes.
-    pub fn retune(&mut self, parameters: &FilterParameters, rotor_speed_max: f32, rate: f32) {
-        let design = Design::new(parameters, rotor_speed_max, rate);
-        // Rotors turn as they did, whatever full command means now.
-        self.design = design;
+    /// Takes on new parameters without a jump: what is remembered are signals, and stays.
+    pub fn retune(&mut self, parameters: &FilterParameters, rotors: &Rotors, rate: f32) {
+        self.design = Design::new(parameters, rotors, rate);
+        self.notches = self.turn.map(|turn| self.design.notch(turn));
     }
 
-    /// Rotors follow their commands by `share` (0 to 1) of the way: once a tick.
+    /// What the rotors are told: once a tick.
     #[inline]
-    pub fn follow(&mut self, command: &MotorCommand, share: f32) {
-        let commands = command.rotors().unwrap_or([0; 4]);
-        for (turn, command) in self.turn.iter_mut().zip(commands) {
-            *turn += (f32::from(command) * self.design.per_command - *turn) * share;
-        }
+    pub fn follow(&mut self, command: &MotorCommand) {
+        self.commands = command.rotors().unwrap_or([0; 4]);
     }
 
     /// Takes in a sample (body FRD, rad/s, without bias): once a sample. The first one is taken
@@ -146,41 +160,44 @@ impl GyroFilter {
             self.start(rate);
         }
         self.renew_notch();
-        let (mut now, mut past) = (rate, self.input);
-        self.input.push(now);
-        for (notch, output) in self.notches.iter().zip(&mut self.between) {
-            let before = *output;
-            now = notch.apply(now, &past, &before);
-            output.push(now);
-            past = before;
+        let mut now = match &self.design.low_pass {
+            Some(low_pass) => low_pass.apply(rate, &self.input, &self.smooth),
+            None => rate,
+        };
+        let mut two = self.smooth.two;
+        self.input.push(rate);
+        self.smooth.push(now);
+        for (notch, tone) in self.notches.iter().zip(&mut self.tones) {
+            notch.take_out(&self.design.width, &mut now, &mut two, tone);
         }
-        if let Some(low_pass) = &self.design.low_pass {
-            now = low_pass.apply(now, &past, &self.output);
-        }
-        self.output.push(now);
+        self.output = now;
     }
 
     /// The filtered rate at the last sample, body FRD, rad/s.
     #[inline]
     pub fn rate(&self) -> Vector3 {
-        self.output.one
+        self.output
     }
 
     #[cold]
     fn start(&mut self, rate: Vector3) {
-        let settled = Past::settled(rate);
-        self.input = settled;
-        self.between = [settled; 4];
-        self.output = settled;
+        self.input = Past::settled(rate);
+        self.smooth = self.input;
         self.started = true;
     }
 
-    /// One rotor's notch follows it.
+    /// One rotor follows its command, and its notch follows the rotor.
     #[inline]
     fn renew_notch(&mut self) {
-        if let (Some(notch), Some(turn)) = (self.notches.get_mut(self.rotor), self.turn.get(self.rotor)) {
+        let n = self.rotor;
+        if let (Some(command), Some(turn), Some(notch)) = (
+            self.commands.get(n),
+            self.turn.get_mut(n),
+            self.notches.get_mut(n),
+        ) {
+            *turn += (f32::from(*command) * self.design.per_command - *turn) * self.design.share;
             *notch = self.design.notch(*turn);
         }
-        self.rotor = (self.rotor + 1) % 4;
+        self.rotor = (n + 1) % 4;
     }
 }

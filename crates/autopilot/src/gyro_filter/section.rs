@@ -1,15 +1,14 @@
 //! Filter sections of second order for body rates, three axes at once.
 //!
-//! Both are written in direct form I: the memory is the last two inputs and outputs, not sums
-//! that depend on coefficients. So coefficients may change at any sample: at rest the output stays
-//! where it is, exactly, and otherwise it moves on from there. A section's output is the next
-//! one's input, which makes one pair of old values per point of a chain.
+//! What they remember are past signals, not sums that depend on coefficients. So coefficients may
+//! change at any sample: at rest the output stays where it is, exactly, and otherwise it moves on
+//! from there.
 
 use core::f32::consts::{PI, SQRT_2};
 
-use windhover_math::{Vector3, min, sin_cos};
+use windhover_math::{Vector3, cos, min, sin_cos};
 
-/// The last two values at one point of a chain of sections, rad/s.
+/// The last two values of a signal, rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Past {
     /// The last one.
@@ -67,53 +66,62 @@ impl LowPass {
     }
 }
 
-/// The width of a notch, and what follows from it.
+/// The width of notches, and what follows from it.
 ///
-/// β = 1/(1 + tan(π·bandwidth/rate)): the gain is −3 dB or less over exactly the bandwidth.
+/// β = 1/(1 + tan(π·width/rate)): a notch has −3 dB at two frequencies that far apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Width {
-    beta: f32,
-}
-
-impl Width {
-    /// Between the −3 dB points lies `bandwidth`, as a share of the sample rate (at most a
-    /// quarter of it).
-    pub fn new(bandwidth: f32) -> Self {
-        let (sin, cos) = sin_cos(PI * min(bandwidth, 0.25));
-        Self {
-            beta: cos / (cos + sin),
-        }
-    }
-
-    /// The notch of this width at `angle`, rad a sample (0 to π). Of its output `weight` (0 to 1)
-    /// counts, of its input the rest: 0 lets all through.
-    #[inline(always)]
-    pub fn notch(&self, angle: f32, weight: f32) -> Notch {
-        Notch {
-            depth: weight * (1.0 - self.beta),
-            a1: -2.0 * self.beta * windhover_math::cos(angle),
-            a2: 2.0 * self.beta - 1.0,
-        }
-    }
-}
-
-/// A notch that may be less than full.
-///
-/// The full one is H(z) = β·(1 − 2cos(θ)z⁻¹ + z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²) with a₁ = −2β·cos(θ)
-/// and a₂ = 2β − 1; input and output mixed by the weight differ from it only in the outer two
-/// terms above, which are 1 − d and a₂ + d with d = weight·(1 − β).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Notch {
-    depth: f32,
-    a1: f32,
+    /// 1 − β.
+    gain: f32,
+    /// −2β.
+    a1_per_cos: f32,
+    /// 2β − 1.
     a2: f32,
 }
 
-impl Notch {
-    /// The output for the input `now`, with the past of input and output.
+impl Width {
+    /// `width` is a share of the sample rate, above 0; more than a quarter counts as a quarter.
+    pub fn new(width: f32) -> Self {
+        let (sin, cos) = sin_cos(PI * min(width, 0.25));
+        let beta = cos / (cos + sin);
+        Self {
+            gain: 1.0 - beta,
+            a1_per_cos: -2.0 * beta,
+            a2: 2.0 * beta - 1.0,
+        }
+    }
+
+    /// The notch at `angle`, rad a sample (inside 0 to π), with a `weight` of 0 to 1: so much of
+    /// its tone is taken out.
     #[inline(always)]
-    pub fn apply(&self, now: Vector3, input: &Past, output: &Past) -> Vector3 {
-        let (newer, older) = (input.one - output.one, input.two - output.two);
-        now + (input.two - now) * self.depth + newer * self.a1 + older * self.a2
+    pub fn notch(&self, angle: f32, weight: f32) -> Notch {
+        Notch {
+            gain: weight * self.gain,
+            a1: self.a1_per_cos * cos(angle),
+        }
+    }
+}
+
+/// A notch: the signal less its tone, which is what a band-pass filter lets through.
+///
+/// The tone is w·(1 − β)·(1 − z⁻²) / (1 − 2β·cos(θ)·z⁻¹ + (2β − 1)·z⁻²) of the signal: all of it at
+/// the angle θ, and nothing of what rests. With the weight w = 1 the signal less its tone is
+/// β·(1 − 2cos(θ)·z⁻¹ + z⁻²) over the same denominator, the usual notch; with w = 0 it is the
+/// signal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Notch {
+    gain: f32,
+    a1: f32,
+}
+
+impl Notch {
+    /// Takes the tone out of the signal `now` and of the one `two` samples ago, with the tone's
+    /// past, which moves on.
+    #[inline(always)]
+    pub fn take_out(&self, width: &Width, now: &mut Vector3, two: &mut Vector3, past: &mut Past) {
+        let tone = (*now - *two) * self.gain - past.one * self.a1 - past.two * width.a2;
+        *now -= tone;
+        *two -= past.two;
+        past.push(tone);
     }
 }
