@@ -3,7 +3,7 @@
 //!
 //! Rotors shake the gyro at the frequencies at which they turn. These are known: the commands are
 //! shares of the largest rotor speed, and rotors follow them with a lag. So nothing is searched
-//! for in a spectrum; each notch follows its rotor, one of the four a sample.
+//! for in a spectrum; each notch follows its rotor, one of the four every 2 ms.
 //!
 //! Only the rate that attitude control sees is filtered. The attitude is integrated from every
 //! sample as it comes, without delay.
@@ -47,6 +47,9 @@ const FADE_HIGH: f32 = 0.05;
 /// Over this share of the least frequency, from there up, notches fade in.
 const FADE_LOW: f32 = 0.25;
 
+/// So many times a second one rotor's notch is renewed.
+const TURNS: u32 = 500;
+
 /// What the filter knows of the rotors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotors {
@@ -68,7 +71,9 @@ struct Design {
     rise: f32,
     /// Angle by which a rotor turns in a sample, per unit of command.
     per_command: f32,
-    /// Share of the way to its command that a rotor goes in four samples.
+    /// Samples from one rotor's turn to the next one's.
+    every: u32,
+    /// Share of the way to its command that a rotor goes from one turn of its own to the next.
     share: f32,
 }
 
@@ -78,6 +83,7 @@ impl Design {
         let p = parameters;
         let cutoff = p.cutoff / rate;
         let least = min(TAU * HIGHEST, TAU * p.notch_least / rate);
+        let every = max(1, rate as u32 / TURNS);
         Self {
             low_pass: (p.cutoff >= CUTOFF_LEAST && cutoff <= HIGHEST).then(|| LowPass::new(cutoff)),
             width: Width::new(p.notch_width / rate),
@@ -85,7 +91,8 @@ impl Design {
             least,
             rise: 1.0 / (FADE_LOW * least),
             per_command: rotors.speed_max / (FULL_COMMAND * rate),
-            share: low_pass_share(rotors.lag, 4.0 / rate),
+            every,
+            share: low_pass_share(rotors.lag, (4 * every) as f32 / rate),
         }
     }
 
@@ -110,8 +117,9 @@ pub struct GyroFilter {
     /// Angle by which each rotor is thought to turn in a sample, rad.
     turn: [f32; 4],
     notches: [Notch; 4],
-    /// Which rotor's turn it is at the next sample.
+    /// Whose turn it is next, and after how many more samples.
     rotor: usize,
+    wait: u32,
     /// Whether there has been a sample.
     started: bool,
     input: Past,
@@ -132,6 +140,7 @@ impl GyroFilter {
             turn: [0.0; 4],
             notches: [design.notch(0.0); 4],
             rotor: 0,
+            wait: 0,
             started: false,
             input: Past::default(),
             smooth: Past::default(),
@@ -159,7 +168,12 @@ impl GyroFilter {
         if !self.started {
             self.start(rate);
         }
-        self.renew_notch();
+        self.wait = if self.wait == 0 {
+            self.renew_notch();
+            self.design.every - 1
+        } else {
+            self.wait - 1
+        };
         let mut now = match &self.design.low_pass {
             Some(low_pass) => low_pass.apply(rate, &self.input, &self.smooth),
             None => rate,

@@ -125,3 +125,25 @@ impl Notch {
         past.push(tone);
     }
 }
+
+#[cfg(test)]
+impl LowPass {
+    /// The coefficients a₁ and a₂.
+    pub fn denominator(&self) -> (f64, f64) {
+        let (b, a2) = (f64::from(self.b), f64::from(self.a2));
+        (4.0 * b - 1.0 - a2, a2)
+    }
+}
+
+#[cfg(test)]
+impl Notch {
+    /// The coefficients a₁ and a₂.
+    pub fn denominator(&self, width: &Width) -> (f64, f64) {
+        (f64::from(self.a1), f64::from(width.a2))
+    }
+
+    /// How much of its tone is taken out.
+    pub fn weight(&self, width: &Width) -> f32 {
+        self.gain / width.gain
+    }
+}
