@@ -208,6 +208,11 @@ impl Inner {
         self.predictor.attitude()
     }
 
+    /// Body rate as attitude control saw it at the last tick, FRD, rad/s: filtered, without bias.
+    pub fn rate(&self) -> Vector3 {
+        self.filter.rate()
+    }
+
     /// One tick. A result that waits is adopted at a boundary only; where a snapshot is taken it
     /// is put into its mailbox, which is empty then, since the last one has come back as a result.
     #[inline(always)]

@@ -247,6 +247,37 @@ fn each_rotors_tone_is_taken_out() {
     }
 }
 
+/// One rotor, far from the others, changes its speed by a tenth and back once a second, and shakes
+/// the gyro as it really turns: a tenth of that is left.
+#[test]
+fn a_notch_follows_its_rotor() {
+    let off = FilterParameters {
+        notches: 0.0,
+        ..Default::default()
+    };
+    for rate in [1000.0, 4000.0] {
+        let mut filters = [FilterParameters::default(), off].map(|p| GyroFilter::new(&p, &OS4, rate as f32));
+        let (mut turned, mut speed, mut left) = (0.0, 220.0, [0.0; 2]);
+        for n in 0..4 * rate as u32 {
+            let wanted = 220.0 * (1.0 + 0.1 * libm::sin(2.0 * PI * f64::from(n) / rate));
+            speed += (wanted - speed) / (0.03 * rate);
+            turned += speed / rate;
+            let command = (wanted / 400.0 * 65535.0) as u16;
+            let command = MotorCommand::Run([60_000, 60_000, command, 60_000]);
+            for (filter, left) in filters.iter_mut().zip(&mut left) {
+                filter.step(all_axes(libm::sin(turned)));
+                filter.follow(&command);
+                if n > rate as u32 {
+                    *left += f64::from(filter.rate().x) * f64::from(filter.rate().x);
+                }
+            }
+        }
+        let share = (left[0] / left[1]).sqrt();
+        std::println!("{share} at {rate} Hz");
+        assert!(share < 0.12, "{share} at {rate} Hz");
+    }
+}
+
 /// The lag that default filters add where the attitude loop crosses over (5 Hz), with all rotors
 /// at the os4's hover: of the low-pass filter 3.4°, of the notches 4.5°.
 #[test]
