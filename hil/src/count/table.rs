@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn a_missed_bound_is_named() {
         let ticks = Ticks {
-            between: calls(600, 900, 1500),
+            between: calls(900, 1300, 2200),
             ..Ticks::default()
         };
         let table = Table::new(&ticks, &[calls(40, 50, 90); 6]);

@@ -3,7 +3,7 @@
 //!
 //! Rotors shake the gyro at the frequencies at which they turn. These are known: the commands are
 //! shares of the largest rotor speed, and rotors follow them with a lag. So nothing is searched
-//! for in a spectrum; each notch follows its rotor, one of the four every 2 ms.
+//! for in a spectrum; each notch follows its rotor, one of the four every 4 ms.
 //!
 //! Only the rate that attitude control sees is filtered. The attitude is integrated from every
 //! sample as it comes, without delay.
@@ -48,7 +48,7 @@ const FADE_HIGH: f32 = 0.05;
 const FADE_LOW: f32 = 0.25;
 
 /// So many times a second one rotor's notch is renewed.
-const TURNS: u32 = 500;
+const TURNS: u32 = 250;
 
 /// What the filter knows of the rotors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,7 @@ struct Design {
     rise: f32,
     /// Angle by which a rotor turns in a sample, per unit of command.
     per_command: f32,
-    /// Samples from one rotor's turn to the next one's.
+    /// Ticks from one rotor's turn to the next one's.
     every: u32,
     /// Share of the way to its command that a rotor goes from one turn of its own to the next.
     share: f32,
@@ -117,9 +117,10 @@ pub struct GyroFilter {
     /// Angle by which each rotor is thought to turn in a sample, rad.
     turn: [f32; 4],
     notches: [Notch; 4],
-    /// Whose turn it is next, and after how many more samples.
+    /// Whose turn it is next.
     rotor: usize,
-    wait: u32,
+    /// Ticks so far.
+    ticks: u32,
     /// Whether there has been a sample.
     started: bool,
     input: Past,
@@ -140,7 +141,7 @@ impl GyroFilter {
             turn: [0.0; 4],
             notches: [design.notch(0.0); 4],
             rotor: 0,
-            wait: 0,
+            ticks: 0,
             started: false,
             input: Past::default(),
             smooth: Past::default(),
@@ -159,6 +160,7 @@ impl GyroFilter {
     #[inline]
     pub fn follow(&mut self, command: &MotorCommand) {
         self.commands = command.rotors().unwrap_or([0; 4]);
+        self.ticks = self.ticks.wrapping_add(1);
     }
 
     /// Takes in a sample (body FRD, rad/s, without bias): once a sample. The first one is taken
@@ -168,12 +170,10 @@ impl GyroFilter {
         if !self.started {
             self.start(rate);
         }
-        self.wait = if self.wait == 0 {
+        // Half way between two boundaries of the schedule, whose ticks have enough to do.
+        if self.ticks.checked_rem(self.design.every) == Some(self.design.every / 2) {
             self.renew_notch();
-            self.design.every - 1
-        } else {
-            self.wait - 1
-        };
+        }
         let mut now = match &self.design.low_pass {
             Some(low_pass) => low_pass.apply(rate, &self.input, &self.smooth),
             None => rate,

@@ -248,7 +248,7 @@ fn each_rotors_tone_is_taken_out() {
 }
 
 /// One rotor, far from the others, changes its speed by a tenth and back once a second, and shakes
-/// the gyro as it really turns: a fiftieth of that is left.
+/// the gyro as it really turns: a twentieth of that is left.
 #[test]
 fn a_notch_follows_its_rotor() {
     let off = FilterParameters {
@@ -273,7 +273,7 @@ fn a_notch_follows_its_rotor() {
             }
         }
         let share = (left[0] / left[1]).sqrt();
-        assert!(share < 0.02, "{share} at {rate} Hz");
+        assert!(share < 0.05, "{share} at {rate} Hz");
     }
 }
 
