@@ -100,7 +100,7 @@ impl Shaken {
         };
         if self.inner.schedule().at_boundary() {
             self.mailboxes.queues.external.push(estimate(&truth));
-            self.mailboxes.queues.attitude.push(self.setpoint.clone());
+            self.mailboxes.queues.attitude.push(self.setpoint);
         }
         let motors = self.inner.tick(&input, &mut self.mailboxes).motors;
         if let Some(snapshot) = self.mailboxes.snapshot.take() {
@@ -128,6 +128,6 @@ pub fn roughness(flown: &[(MotorCommand, f64)]) -> f64 {
 
 /// How far beyond `wanted` the roll (rad) went, as a share of it.
 pub fn overshoot(flown: &[(MotorCommand, f64)], wanted: f64) -> f64 {
-    let most = flown.iter().map(|&(_, roll)| roll).fold(0.0, f64::max);
+    let most = flown.iter().map(|&(_, roll)| roll).fold(0.0, windhover_math::max);
     most / wanted - 1.0
 }

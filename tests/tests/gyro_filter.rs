@@ -117,7 +117,7 @@ fn settles(setup: &Setup, gain: f64) -> bool {
     flight.fly(2.0);
     let rolls = flight.fly(0.5);
     let swing = rolls.iter().map(|&(_, roll)| (roll - 0.02).abs());
-    swing.fold(0.0, f64::max) < 0.002
+    swing.fold(0.0, windhover_math::max) < 0.002
 }
 
 /// The largest gain, as a multiple of the one that flies, at which the loop is stable; at most 7.5,
