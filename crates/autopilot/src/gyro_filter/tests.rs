@@ -159,6 +159,12 @@ proptest! {
         prop_assert!(is_stable(a1, a2), "{notch:?} {:?}", design.width);
         let weight = notch.weight(&design.width);
         prop_assert!((0.0..=1.0).contains(&weight), "{weight}");
+        let least = TAU * parameters.notch_least / rate;
+        if angle <= least || angle >= TAU * HIGHEST {
+            prop_assert_eq!(weight, 0.0);
+        } else if parameters.notches >= 0.5 && angle > 1.26 * least && angle < TAU * (HIGHEST - FADE_HIGH) {
+            prop_assert_eq!(weight, 1.0);
+        }
     }
 
     /// Whatever the part measures and the motors are told, what comes out is a number that fits,
