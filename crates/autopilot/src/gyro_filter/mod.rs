@@ -29,8 +29,8 @@ parameters! {
     /// What attitude control does not see of the gyro.
     ///
     /// The defaults are for the os4, whose rotors hover at only seven times the frequency at which
-    /// its attitude loop crosses over (36 and 5 Hz): the four notches may take no more phase there
-    /// than the low-pass filter does. Faster rotors leave room for wider notches, which forgive
+    /// its attitude loop crosses over (36 and 5 Hz): all filters together take 8° of phase there,
+    /// and leave 32° of 40°. Faster rotors leave room for wider notches, which forgive
     /// more of an error in `ROTOR_SPEED_MAX`.
     pub struct FilterParameters {
         cutoff: "IMU_GYRO_CUTOFF", "Hz", 0.0..=1000.0, 120.0, "Cutoff of the gyro's low-pass filter of second order; none below 5 Hz and above 0.45 of the sample rate";
