@@ -33,7 +33,7 @@ fn main() -> ! {
     use embassy_stm32::wdg::IndependentWatchdog;
     use embassy_time::Instant;
     use static_cell::{ConstStaticCell, StaticCell};
-    use windhover_autopilot::{Inner, InnerConfig, OuterConfig, Outer};
+    use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig};
     use windhover_flight_log::{Logger, LoggerConfig};
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.

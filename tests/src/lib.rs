@@ -2,12 +2,14 @@
 //!
 //! - [`plan`]: missions written in metres from home; [`trace`]: what a flight did, step by step.
 //! - [`random`]: flights with everything drawn at random.
+//! - [`shaken`]: the core on an inertial sensor that rotors shake.
 //! - [`mod@bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
 pub mod bench;
 pub mod plan;
 pub mod random;
+pub mod shaken;
 pub mod trace;
 
 use std::path::Path;

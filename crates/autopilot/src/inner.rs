@@ -1,8 +1,8 @@
 //! The inner step: from one sample to four motor commands, a thousand or more times a second.
 //!
 //! At each tick, in this order: the sample and the latch of urgent commands; at a boundary, the
-//! outer result that waits; predictor, attitude control, mixer; at a boundary, the snapshot for
-//! the outer step. This order and [`crate::schedule`] are what replay repeats.
+//! outer result that waits; predictor, gyro filter, attitude control, mixer; at a boundary, the
+//! snapshot for the outer step. This order and [`crate::schedule`] are what replay repeats.
 //!
 //! Motors turn only while two independent things allow it: the adopted outer result says so, and
 //! the inner step's own latch is open. Kill, disarm and 20 ms without a sample close the latch in
@@ -15,6 +15,7 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_estimator::AttitudePredictor;
 use windhover_math::{GRAVITY, Quaternion, Vector3, max, min};
 
+use crate::gyro_filter::{FilterParameters, GyroFilter, Rotors};
 use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 use crate::outer::OuterResult;
 use crate::parameters::Parameters;
@@ -50,8 +51,9 @@ pub struct InnerParameters {
     gains: AttitudeGains,
     mixer: Mixer,
     calibration: CalibrationParameters,
+    filter: FilterParameters,
     idle: u16,
-    rotor_lag: f32,
+    rotors: Rotors,
     weight: f32,
 }
 
@@ -62,8 +64,12 @@ impl InnerParameters {
             gains: AttitudeGains::new(&parameters.attitude, parameters.vehicle.inertia()),
             mixer: Mixer::new(&parameters.vehicle, parameters.motor.idle)?,
             calibration: parameters.calibration,
+            filter: parameters.filter,
             idle: (parameters.motor.idle * FULL_COMMAND) as u16,
-            rotor_lag: parameters.vehicle.rotor_lag,
+            rotors: Rotors {
+                speed_max: parameters.vehicle.rotor_speed_max,
+                lag: parameters.vehicle.rotor_lag,
+            },
             weight: parameters.vehicle.mass * GRAVITY,
         })
     }
@@ -141,6 +147,7 @@ pub struct Inner {
     sensing: SensingBorder,
     schedule: Schedule,
     predictor: AttitudePredictor,
+    filter: GyroFilter,
     controller: AttitudeController,
     setpoint: AttitudeSetpoint,
     /// Time since the setpoint's snapshot, s.
@@ -169,6 +176,7 @@ impl Inner {
             parameters,
             schedule: Schedule::new(config.k()),
             predictor: AttitudePredictor::default(),
+            filter: GyroFilter::new(&parameters.filter, &parameters.rotors, config.imu_rate as f32),
             controller: AttitudeController::default(),
             setpoint: AttitudeSetpoint {
                 attitude: Quaternion::IDENTITY,
@@ -200,6 +208,11 @@ impl Inner {
         self.predictor.attitude()
     }
 
+    /// Body rate as attitude control saw it at the last tick, FRD, rad/s: filtered, without bias.
+    pub fn rate(&self) -> Vector3 {
+        self.filter.rate()
+    }
+
     /// One tick. A result that waits is adopted at a boundary only; where a snapshot is taken it
     /// is put into its mailbox, which is empty then, since the last one has come back as a result.
     #[inline(always)]
@@ -217,7 +230,7 @@ impl Inner {
         let tick = self.schedule.tick();
         let record = self.schedule.advance(adopted);
         self.watch_outer();
-        let motors = self.step(dt);
+        let motors = self.step(matches!(input.imu, Imu::Sample { .. }), dt);
         if record.is_some_and(|record| record.snapshot_taken) {
             mailboxes.snapshot = Some(self.snapshot(tick, &mut mailboxes.queues));
         }
@@ -261,6 +274,8 @@ impl Inner {
         if let Some(parameters) = result.parameters {
             self.controller.retune(&self.parameters.gains, &parameters.gains);
             self.sensing = SensingBorder::new(&self.config.rotation, &parameters.calibration);
+            let rate = self.config.imu_rate as f32;
+            self.filter.retune(&parameters.filter, &parameters.rotors, rate);
             self.parameters = parameters;
         }
         self.predictor.adopt(result.attitude, result.gyro_bias);
@@ -292,10 +307,14 @@ impl Inner {
         }
     }
 
-    /// Predictor, attitude control and mixer.
+    /// Predictor, gyro filter, attitude control and mixer. Without a new sample, control goes on
+    /// with the last filtered rate.
     #[inline]
-    fn step(&mut self, dt: f32) -> MotorCommand {
+    fn step(&mut self, is_sampled: bool, dt: f32) -> MotorCommand {
         self.predictor.predict(self.inertial.rate, dt);
+        if is_sampled {
+            self.filter.step(self.predictor.rate());
+        }
         let force = self.predictor.since_mark().rotate(self.inertial.specific_force);
         self.setpoint_age += dt;
         let command = match self.motors {
@@ -303,6 +322,7 @@ impl Inner {
             MotorState::Idle => self.at_rest(MotorCommand::Idle(self.parameters.idle)),
             MotorState::Run => self.run(dt),
         };
+        self.filter.follow(&command);
         self.increments.velocity += force * dt;
         self.increments.duration += dt;
         self.increments.ticks = self.increments.ticks.saturating_add(1);
@@ -321,7 +341,7 @@ impl Inner {
     fn run(&mut self, dt: f32) -> MotorCommand {
         let estimate = AttitudeEstimate {
             attitude: self.predictor.attitude(),
-            rate: self.predictor.rate(),
+            rate: self.filter.rate(),
         };
         let age = if self.descending { 0.0 } else { self.setpoint_age };
         let torque = self.controller.step(
@@ -345,7 +365,7 @@ impl Inner {
     #[inline]
     fn account(&mut self, demand: &Wrench, mixed: &Mixed, dt: f32) {
         self.torque_shortfall = mixed.applied.torque - demand.torque;
-        let share = low_pass_share(self.parameters.rotor_lag, dt);
+        let share = low_pass_share(self.parameters.rotors.lag, dt);
         self.rotor_thrust += (mixed.applied.thrust - self.rotor_thrust) * share;
         self.increments.thrust_shortfall += (mixed.applied.thrust - demand.thrust) * dt;
         self.increments.saturated = self

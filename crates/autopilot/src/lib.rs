@@ -1,7 +1,7 @@
 //! The core of the autopilot: everything that decides a motor command, in two steps.
 //!
-//! [`Inner`] runs at every sample: sensing border, attitude predictor, attitude control, mixer.
-//! [`Outer`] runs 250 times a second on a frozen [`Snapshot`]: estimate, mission, position
+//! [`Inner`] runs at every sample: sensing border, attitude predictor, gyro filter, attitude
+//! control, mixer. [`Outer`] runs 250 times a second on a frozen [`Snapshot`]: estimate, mission, position
 //! control. [`schedule`] says when results pass from one to the other, so that firmware, desktop
 //! and replay do exactly the same however long each step takes.
 //!
@@ -12,6 +12,7 @@
 pub mod aiding;
 pub mod calibration;
 pub mod estimation;
+pub mod gyro_filter;
 pub mod inner;
 pub mod io;
 pub mod mission;

@@ -9,6 +9,7 @@ use windhover_parameters::{parameter_groups, parameters};
 use windhover_estimator::NoiseParameters;
 
 use crate::estimation::EstimationParameters;
+use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
 use crate::sensing::CalibrationParameters;
 
@@ -44,6 +45,7 @@ parameter_groups! {
         observer: ObserverParameters,
         mission: MissionParameters,
         calibration: CalibrationParameters,
+        filter: FilterParameters,
         board: BoardParameters,
         estimation: EstimationParameters,
         noise: NoiseParameters,

@@ -122,9 +122,8 @@ impl Header<'_> {
 
     /// The info message with that index; `None` beyond the last.
     fn info(&self, index: usize) -> Option<(&str, InfoValue<'_>)> {
-        let flat = |BoardRotation([[a, b, c], [d, e, f], [g, h, i]])| {
-            InfoValue::I8x9([a, b, c, d, e, f, g, h, i])
-        };
+        let flat =
+            |BoardRotation([[a, b, c], [d, e, f], [g, h, i]])| InfoValue::I8x9([a, b, c, d, e, f, g, h, i]);
         let outer = &self.outer;
         let home = outer.home.unwrap_or_default();
         let own = [

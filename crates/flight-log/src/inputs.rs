@@ -3,7 +3,8 @@
 //! A kind is declared once, below. Items carry the tick of the boundary at which they were frozen.
 
 use windhover_autopilot::{
-    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, MissionCommit, OuterInputs, ParameterWrite, Queues, Urgent,
+    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, MissionCommit, OuterInputs,
+    ParameterWrite, Queues, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;

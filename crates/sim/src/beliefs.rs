@@ -91,12 +91,7 @@ impl BeliefErrors {
         self.estimate
             .add(estimate.position.map(f64::from) - truth.position);
         let q = &estimate.attitude;
-        let believed = Quaternion::new(
-            f64::from(q.w),
-            f64::from(q.x),
-            f64::from(q.y),
-            f64::from(q.z),
-        );
+        let believed = Quaternion::new(f64::from(q.w), f64::from(q.x), f64::from(q.y), f64::from(q.z));
         let turn = (believed * truth.attitude.conjugate()).shortest();
         self.tilt.add(2.0 * libm::hypot(turn.x, turn.y));
         self.heading.add(2.0 * turn.z);

@@ -3,8 +3,8 @@
 use windhover_autopilot::mission::route::Stored;
 use windhover_autopilot::mission::{MissionEvent, Refusal, check};
 use windhover_autopilot::{
-    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterConfig, OuterResult, ParameterWrite,
-    Parameters, Preset, Refused, ScheduleRecord, Snapshot,
+    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterConfig, OuterResult,
+    ParameterWrite, Parameters, Preset, Refused, ScheduleRecord, Snapshot,
 };
 use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;

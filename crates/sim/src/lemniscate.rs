@@ -77,7 +77,13 @@ impl Lemniscate {
             ..setup.clone()
         };
         let outer = setup.outer(GlobalPosition::default())?;
-        let mut flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, Vec::new(), GlobalPosition::default());
+        let mut flown = ClosedLoop::new(
+            setup.world(),
+            setup.inner_config(),
+            outer,
+            Vec::new(),
+            GlobalPosition::default(),
+        );
         let mut error = Error {
             sum: ErrorSum::default(),
             from: APPROACH + 2.0 * self.period,

@@ -95,7 +95,10 @@ pub fn conditions(request: &Request) -> Vec<(String, String)> {
 fn flown_on(request: &Request) -> String {
     match &request.setup.sensors {
         None => "the truth".into(),
-        Some(sensors) => format!("sensors, receiver {}", format!("{:?}", sensors.receiver).to_lowercase()),
+        Some(sensors) => format!(
+            "sensors, receiver {}",
+            format!("{:?}", sensors.receiver).to_lowercase()
+        ),
     }
 }
 

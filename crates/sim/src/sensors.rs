@@ -1,9 +1,7 @@
 //! The sensors of a simulated vehicle, and what a driver makes of their registers.
 
-use windhover_autopilot::{
-    BarometerSample, CompassFitting, CompassSample, GnssSample, ImuCounts, Queues,
-};
 use windhover_autopilot::sensing::BoardRotation;
+use windhover_autopilot::{BarometerSample, CompassFitting, CompassSample, GnssSample, ImuCounts, Queues};
 use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::sensor::compass::earth_field;

@@ -100,7 +100,8 @@ impl Table {
         let [sin_name, cos_name, sin_cos_name, asin_name, acos_name, atan2_name] = FUNCTIONS;
         Self(vec![
             row("inner tick, disarmed", ticks.disarmed, None, &[]),
-            row("inner tick in flight", ticks.between, Mean(700), INNER),
+            row("inner tick in flight", ticks.between, Mean(1000), INNER),
+            row("  gyro filter in it", ticks.filter, None, &[]),
             row("  at a boundary", ticks.boundaries, None, &[]),
             row("  all of them", all, None, &[]),
             row("outer tick", ticks.outer, None, OUTER),
@@ -181,7 +182,7 @@ mod tests {
     #[test]
     fn a_missed_bound_is_named() {
         let ticks = Ticks {
-            between: calls(600, 900, 1500),
+            between: calls(900, 1300, 2200),
             ..Ticks::default()
         };
         let table = Table::new(&ticks, &[calls(40, 50, 90); 6]);

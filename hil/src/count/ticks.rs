@@ -45,6 +45,8 @@ pub struct Ticks {
     pub disarmed: Count,
     /// Inner ticks in the air: predictor, attitude control and mixer, and nothing else.
     pub between: Count,
+    /// The gyro filter's step, in every inner tick that has a sample.
+    pub filter: Count,
     /// Inner ticks in the air that also adopt a result of the outer step and hand over to it.
     pub boundaries: Count,
     /// The outer step in the air.
@@ -59,6 +61,7 @@ pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
     let mut flight = Flight::new(elf, plan)?;
     let mut inner = Sampler::new(&mut flight.machine, "steps::inner_step")?;
     let mut outer = Sampler::new(&mut flight.machine, "steps::outer_step")?;
+    let mut filter = Sampler::new(&mut flight.machine, "GyroFilter::step")?;
     let end = AIRBORNE + (plan.seconds * SECOND as f64) as u64;
     let mut ticks = Ticks::default();
     let mut last_inner = None;
@@ -73,6 +76,9 @@ pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
             } else if now < ARM {
                 ticks.disarmed.add(call);
             }
+        }
+        if let (Some(call), AIRBORNE..) = (filter.take(&flight.machine), now) {
+            ticks.filter.add(call);
         }
         // An outer step ends before the next inner tick: the last one was its boundary.
         if let (Some(call), AIRBORNE..) = (outer.take(&flight.machine), now) {

@@ -112,7 +112,10 @@ mod tests {
         let found = (0..200).find(|n| watch.look(0.03 + 0.035 * *n as f32 * DT + noise(*n), VARIANCE, DT));
         assert!(found.is_some_and(|n| n as f32 * DT < 2.2), "{found:?}");
         let trust = watch.trust(20.0, DT);
-        assert!(trust.repeats < 30.0 && (trust.offset - 0.03).abs() < 0.01, "{trust:?}");
+        assert!(
+            trust.repeats < 30.0 && (trust.offset - 0.03).abs() < 0.01,
+            "{trust:?}"
+        );
     }
 
     #[test]

@@ -126,7 +126,11 @@ mod tests {
     fn after_some_seconds_of_flight_the_motors_are_taken_off() {
         let mut interference = Interference::default();
         interference.refer(attitude(0.0), attitude(0.0).inverse_rotate(EARTH));
-        assert_eq!(fly(&mut interference, 7.5), (0, 0.0), "not used while it is learned");
+        assert_eq!(
+            fly(&mut interference, 7.5),
+            (0, 0.0),
+            "not used while it is learned"
+        );
         let (corrected, worst) = fly(&mut interference, 10.0);
         assert!(corrected > 400 && worst < 0.02, "{corrected} {worst}");
         assert!(scalar::norm(interference.per_load() - ADDED) < 0.02);

@@ -15,8 +15,8 @@ pub mod interference;
 mod sensors;
 
 use windhover_estimator::alignment::{Progress, Stillness};
-use windhover_estimator::start::{Deviations, Start};
 use windhover_estimator::health::SENSORS;
+use windhover_estimator::start::{Deviations, Start};
 use windhover_estimator::{
     Accuracy, Alignment, Filter, Health, InertialIncrements, NoiseParameters, Sensor, State,
 };

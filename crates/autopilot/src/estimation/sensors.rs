@@ -223,13 +223,12 @@ impl Aiding {
         self.last_field = now;
         let measured = self.field(sample, settings);
         let attitude = filter.state().attitude;
-        let Some(field) = self
-            .interference
-            .correct(measured.field, attitude, load, elapsed)
-        else {
+        let Some(field) = self.interference.correct(measured.field, attitude, load, elapsed) else {
             return;
         };
-        let trust = self.heading.trust(settings.estimation.compass_correlation, elapsed);
+        let trust = self
+            .heading
+            .trust(settings.estimation.compass_correlation, elapsed);
         let outcome = filter.fuse_compass(&MagneticField {
             time: sample.time.min(now),
             field,
@@ -239,7 +238,9 @@ impl Aiding {
         });
         if let Ok(report) = &outcome
             && let [test] = &report.tests
-            && self.heading.look(test.innovation + trust.offset, test.variance, elapsed)
+            && self
+                .heading
+                .look(test.innovation + trust.offset, test.variance, elapsed)
         {
             filter.doubt(&Doubt {
                 heading: DOUBT_HEADING,
@@ -323,14 +324,12 @@ impl Aiding {
             }
             return self.step.take();
         }
-        let velocity_known = [Sensor::GnssVelocity, Sensor::Pose]
-            .into_iter()
-            .any(|sensor| {
-                matches!(
-                    filter.health(sensor),
-                    Health::Good { .. } | Health::Degraded { .. }
-                )
-            });
+        let velocity_known = [Sensor::GnssVelocity, Sensor::Pose].into_iter().any(|sensor| {
+            matches!(
+                filter.health(sensor),
+                Health::Good { .. } | Health::Degraded { .. }
+            )
+        });
         if !velocity_known {
             let outcome = filter.fuse_gravity(measured, FLIGHT_FORCE);
             self.note(outcome);

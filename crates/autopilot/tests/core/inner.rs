@@ -164,6 +164,40 @@ fn the_latch_closes_in_its_tick() {
     }
 }
 
+/// A tick without a sample leaves the filtered rate as it is: the filter has seen nothing new.
+#[test]
+fn without_a_sample_the_filtered_rate_holds() {
+    for rate in [1000, 4000] {
+        let mut stool = flying(rate);
+        stool.gyro = [500, -300, 200];
+        stool.tick(None);
+        let (seen, whole) = (stool.inner.rate(), 500.0 * GYRO_SCALE);
+        assert!(seen.x > 0.0 && seen.x < 0.5 * whole, "on its way at {seen}");
+        stool.silent = true;
+        for _ in 0..3 {
+            stool.tick(None);
+            assert_eq!(stool.inner.rate(), seen);
+        }
+        stool.silent = false;
+        stool.tick(None);
+        assert!(stool.inner.rate().x > seen.x);
+    }
+}
+
+/// The first sample is taken for what the rate has always been.
+#[test]
+fn the_filter_starts_settled() {
+    let mut stool = Stool::new(1000);
+    stool.gyro = [500, -300, 200];
+    for _ in 0..20 {
+        stool.tick(None);
+        assert_eq!(
+            stool.inner.rate(),
+            Vector3::new(500.0, -300.0, 200.0).map(|counts: f32| counts * GYRO_SCALE)
+        );
+    }
+}
+
 /// Results made before the stop, and results that still say "run", do not open the latch; one
 /// that has seen the stop and disarms does; and only the one after that moves a motor.
 #[test]

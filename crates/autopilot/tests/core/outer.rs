@@ -2,8 +2,8 @@
 //! outside.
 
 use windhover_autopilot::{
-    Blocker, Command, ExternalEstimate, Increments, MissionCommit, MotorState, Outer, OuterConfig, OuterInputs,
-    OuterResult, ParameterWrite, Parameters, Phase, Refused, Snapshot, Stop, Urgent,
+    Blocker, Command, ExternalEstimate, Increments, MissionCommit, MotorState, Outer, OuterConfig,
+    OuterInputs, OuterResult, ParameterWrite, Parameters, Phase, Refused, Snapshot, Stop, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;

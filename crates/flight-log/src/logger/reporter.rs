@@ -5,8 +5,8 @@ use windhover_autopilot::{Imu, MotorCommand, OuterResult, Snapshot};
 use super::{LONGEST, LoggerConfig, SLOW};
 use crate::record::{Topic, data};
 use crate::views::{
-    ActuatorMotors, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, SensorCombined, TickCounts,
-    VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition,
+    ActuatorMotors, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, SensorCombined,
+    TickCounts, VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition,
     VehicleLocalPositionSetpoint, VehicleStatus,
 };
 

@@ -5,8 +5,9 @@ use windhover_autopilot::{Blocker, Known, MotorState, OuterResult, Phase, Refuse
 use windhover_math::Vector3;
 
 use super::{
-    Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, VehicleAttitude, VehicleAttitudeSetpoint,
-    VehicleLandDetected, VehicleLocalPosition, VehicleLocalPositionSetpoint, VehicleStatus, View,
+    Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, VehicleAttitude,
+    VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition, VehicleLocalPositionSetpoint,
+    VehicleStatus, View,
 };
 use crate::inputs::FlatCommand;
 
@@ -32,7 +33,10 @@ pub const fn motor_state_code(state: MotorState) -> u8 {
 
 /// As in [`EstimatorStatus::known`].
 pub const fn known_code(known: Known) -> u8 {
-    known.attitude as u8 | (known.heading as u8) << 1 | (known.height as u8) << 2 | (known.position as u8) << 3
+    known.attitude as u8
+        | (known.heading as u8) << 1
+        | (known.height as u8) << 2
+        | (known.position as u8) << 3
 }
 
 /// As in [`Refusal::reason`].

@@ -6,7 +6,8 @@
 use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
     Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MissionCommit,
-    MotorCommand, Outer, OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord, Urgent,
+    MotorCommand, Outer, OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord,
+    Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
