@@ -1,9 +1,11 @@
 //! Gravity, of a vehicle that stands still: the accelerometer shows nothing else.
 //!
 //! In the world the specific force is then (0, 0, −g). Estimated is f = R(f_body − b_a); the truth
-//! is f + δθ × f − R δb_a. Row by row of the difference: two or three non-zeros in the attitude,
-//! three in the bias. What tells tilt and bias apart is turning the vehicle; at rest the filter
-//! learns their sum, and keeps the correlation.
+//! is f + δθ × f − R δb_a. For the f in δθ × f the force is taken that is known, (0, 0, −g): the
+//! estimated one would let what an accelerating vehicle shows turn a heading that is not known (by
+//! 2° in a minute of attitudes flown without a compass). Row by row of the difference: at most one
+//! non-zero in the attitude, three in the bias. What tells tilt and bias apart is turning the
+//! vehicle; at rest the filter learns their sum, and keeps the correlation.
 
 use windhover_math::{GRAVITY, Vector3};
 
@@ -26,17 +28,17 @@ fn rows(state: &State, force: Vector3) -> [Row; 3] {
     [
         Row {
             innovation: -f.x,
-            attitude: [0.0, f.z, -f.y],
+            attitude: [0.0, -GRAVITY, 0.0],
             bias: [-r.m11, -r.m12, -r.m13],
         },
         Row {
             innovation: -f.y,
-            attitude: [-f.z, 0.0, f.x],
+            attitude: [GRAVITY, 0.0, 0.0],
             bias: [-r.m21, -r.m22, -r.m23],
         },
         Row {
             innovation: -GRAVITY - f.z,
-            attitude: [f.y, -f.x, 0.0],
+            attitude: [0.0; 3],
             bias: [-r.m31, -r.m32, -r.m33],
         },
     ]
