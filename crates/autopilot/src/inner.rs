@@ -19,6 +19,7 @@ use crate::gyro_filter::{FilterParameters, GyroFilter, Rotors};
 use crate::io::{Imu, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 use crate::outer::OuterResult;
 use crate::parameters::Parameters;
+use crate::plausible::{self, AccelWatch};
 use crate::queue::{OuterInputs, Queues};
 use crate::schedule::{OUTER_RATE, Schedule};
 use crate::sensing::{BoardRotation, CalibrationParameters, Inertial, SensingBorder};
@@ -161,6 +162,9 @@ pub struct Inner {
     time: u64,
     sample_time: u64,
     inertial: Inertial,
+    accel: AccelWatch,
+    /// Whether the accelerometer shows something that can be true.
+    sees_force: bool,
     torque_shortfall: Vector3,
     rotor_thrust: f32,
     increments: Increments,
@@ -192,6 +196,8 @@ impl Inner {
             time: 0,
             sample_time: 0,
             inertial: Inertial::default(),
+            accel: AccelWatch::new(config.imu_rate),
+            sees_force: true,
             torque_shortfall: Vector3::zeros(),
             rotor_thrust: 0.0,
             increments: Increments::default(),
@@ -230,7 +236,7 @@ impl Inner {
         let tick = self.schedule.tick();
         let record = self.schedule.advance(adopted);
         self.watch_outer();
-        let motors = self.step(matches!(input.imu, Imu::Sample { .. }), dt);
+        let motors = self.step(dt);
         if record.is_some_and(|record| record.snapshot_taken) {
             mailboxes.snapshot = Some(self.snapshot(tick, &mut mailboxes.queues));
         }
@@ -245,12 +251,14 @@ impl Inner {
         let dt = max(0.25 * self.period, min(4.0 * self.period, elapsed));
         self.time = imu.time();
         match imu {
-            Imu::Sample { counts, time } => {
+            Imu::Sample { counts, time } if plausible::has_rate(counts) => {
                 self.inertial = self.sensing.convert(counts);
                 self.sample_time = *time;
+                let flies = self.motors == MotorState::Run && !self.landed;
+                self.sees_force = self.accel.look(counts, flies);
             }
             // The vehicle turns on as it did.
-            Imu::Missing { .. } => self.increments.missing = self.increments.missing.saturating_add(1),
+            _ => self.increments.missing = self.increments.missing.saturating_add(1),
         }
         dt
     }
@@ -310,12 +318,17 @@ impl Inner {
     /// Predictor, gyro filter, attitude control and mixer. Without a new sample, control goes on
     /// with the last filtered rate.
     #[inline]
-    fn step(&mut self, is_sampled: bool, dt: f32) -> MotorCommand {
+    fn step(&mut self, dt: f32) -> MotorCommand {
         self.predictor.predict(self.inertial.rate, dt);
-        if is_sampled {
+        if self.sample_time == self.time {
             self.filter.step(self.predictor.rate());
         }
-        let force = self.predictor.since_mark().rotate(self.inertial.specific_force);
+        let force = if self.sees_force {
+            self.inertial.specific_force
+        } else {
+            self.reckoned_force()
+        };
+        let force = self.predictor.since_mark().rotate(force);
         self.setpoint_age += dt;
         let command = match self.motors {
             MotorState::Disarmed => self.at_rest(MotorCommand::Disarmed),
@@ -328,6 +341,14 @@ impl Inner {
         self.increments.ticks = self.increments.ticks.saturating_add(1);
         self.increments.thrust += self.rotor_thrust * dt;
         command
+    }
+
+    /// The specific force that the rotors should make, for an accelerometer that shows none.
+    #[cold]
+    fn reckoned_force(&mut self) -> Vector3 {
+        self.increments.blind = self.increments.blind.saturating_add(1);
+        let per_mass = GRAVITY / self.parameters.weight;
+        Vector3::new(0.0, 0.0, -self.rotor_thrust * per_mass)
     }
 
     fn at_rest(&mut self, command: MotorCommand) -> MotorCommand {

@@ -97,6 +97,9 @@ pub struct Increments {
     pub ticks: u16,
     /// Ticks of these that had no sample.
     pub missing: u16,
+    /// Ticks of these at which the accelerometer showed nothing that can be true: instead of it the
+    /// thrust counts that the rotors should have made.
+    pub blind: u16,
     /// Ticks of these at which a rotor limit changed the demand.
     pub saturated: u16,
 }

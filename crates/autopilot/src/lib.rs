@@ -18,6 +18,7 @@ pub mod io;
 pub mod mission;
 pub mod outer;
 pub mod parameters;
+pub mod plausible;
 pub mod queue;
 pub mod schedule;
 pub mod sensing;

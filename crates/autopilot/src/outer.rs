@@ -316,6 +316,10 @@ impl Outer {
             self.observer.reset();
             return;
         }
+        if increments.blind > 0 {
+            // Nothing is measured of the forces: the wind goes on as it did.
+            return;
+        }
         let per_second = 1.0 / increments.duration;
         let own = increments.velocity * per_second - before.accel_bias;
         let force = before.attitude.rotate(own);

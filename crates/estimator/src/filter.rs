@@ -27,6 +27,13 @@ use crate::reset::Reset;
 use crate::start::{Deviations, Start};
 use crate::state::{InertialIncrements, State};
 
+/// A velocity is at most so late, s.
+const LONGEST_LAG: f32 = 0.3;
+
+/// Density of the noise of a specific force that is reckoned from the rotors, m/s²/√Hz: wind of
+/// some m/s² that stays for some seconds.
+const RECKONED_FORCE: f32 = 3.0;
+
 /// Largest gyro bias that is believed, rad/s.
 pub const LARGEST_GYRO_BIAS: f32 = 0.5;
 /// Largest accelerometer bias that is believed, m/s².
@@ -163,6 +170,23 @@ impl Filter {
             Axis::Z => part.z = saturate(part.z, limit),
         }
         self.covariance.bound(group, axis);
+    }
+
+    /// Whether the intervals to come hold a measured specific force, or one that is reckoned from
+    /// the rotors and lacks the wind: then velocities tell nothing of the tilt.
+    #[inline]
+    pub fn trust_force(&mut self, noise: &NoiseParameters, is_measured: bool) {
+        const RECKONED: f32 = RECKONED_FORCE * RECKONED_FORCE;
+        if is_measured {
+            self.densities.velocity = noise.accel * noise.accel;
+        } else if self.densities.velocity != RECKONED {
+            self.densities.velocity = RECKONED;
+            // A late velocity has the noise of its lag taken off: it must have been added before.
+            for axis in Axis::ALL {
+                self.covariance
+                    .widen(Group::Velocity, axis, RECKONED * LONGEST_LAG);
+            }
+        }
     }
 
     /// What the filter believes now.

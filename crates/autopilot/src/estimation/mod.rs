@@ -312,6 +312,7 @@ impl Estimation {
             Stage::Aligning { .. } => self.align(&settings, snapshot, &measured),
             Stage::External(_) => self.take_over(&settings, snapshot.time),
             Stage::Running(filter) => {
+                filter.trust_force(settings.noise, snapshot.increments.blind == 0);
                 // An interval that is refused changes nothing: the next one carries on.
                 let _ = filter.predict(&measured, snapshot.time);
                 let slow = self.steps == 0;

@@ -27,9 +27,13 @@ const DOUBT_ACCEL: f32 = 0.15;
 /// And the heading, rad.
 const DOUBT_HEADING: f32 = 0.05;
 /// So often in a row; then one more in 100 fixes. A velocity that still goes another way is wrong
-/// itself.
+/// itself: so many fixes are then not believed.
+const DISTRUST: u8 = 100;
 const DOUBTS: f32 = 3.0;
 const DOUBTS_PER_FIX: f32 = 0.01;
+
+/// A receiver that has said the same so often in a row hangs.
+const HANGS: u8 = 2;
 
 /// A receiver that declares less than this knows the height better than the barometer does, m.
 const PRECISE_HEIGHT: f32 = 0.2;
@@ -75,6 +79,11 @@ pub(super) struct Aiding {
     heading: HeadingWatch,
     /// How often the inertial sensors may still be doubted.
     patience: f32,
+    /// How many fixes more are not believed.
+    distrust: u8,
+    /// The receiver's last message, and how often in a row it has said the same.
+    last_fix: GnssSample,
+    same: u8,
 }
 
 impl Aiding {
@@ -92,6 +101,9 @@ impl Aiding {
             leaning: [Leaning::default(); 3],
             heading: HeadingWatch::default(),
             patience: DOUBTS,
+            distrust: 0,
+            last_fix: GnssSample::default(),
+            same: 0,
         }
     }
 
@@ -165,7 +177,8 @@ impl Aiding {
             }
         }
         for sample in &inputs.gnss {
-            self.gnss(filter, settings, sample, snapshot.time);
+            let blind = snapshot.increments.blind > 0;
+            self.gnss(filter, settings, sample, snapshot.time, blind);
         }
         self.step.take()
     }
@@ -251,8 +264,19 @@ impl Aiding {
         self.note(outcome);
     }
 
-    fn gnss(&mut self, filter: &mut Filter, settings: &Settings<'_>, sample: &GnssSample, now: u64) {
-        if !sample.is_fix() {
+    fn gnss(
+        &mut self,
+        filter: &mut Filter,
+        settings: &Settings<'_>,
+        sample: &GnssSample,
+        now: u64,
+        blind: bool,
+    ) {
+        if !sample.is_fix() || self.hangs(sample) {
+            return;
+        }
+        if self.distrust > 0 {
+            self.distrust -= 1;
             return;
         }
         self.find_origin(sample, filter.state().position.z);
@@ -268,7 +292,9 @@ impl Aiding {
         }
         self.note(outcome);
         let outcome = filter.fuse_gnss_velocity(&sample.velocity(time));
-        self.doubt(filter, &outcome);
+        if !blind {
+            self.doubt(filter, &outcome);
+        }
         self.note(outcome);
 
         let difference = position.position.z - filter.state().position.z;
@@ -287,6 +313,14 @@ impl Aiding {
         }
     }
 
+    /// Whether a receiver says the same again and again: its noise alone would not let it.
+    fn hangs(&mut self, sample: &GnssSample) -> bool {
+        let is_same = sample.position == self.last_fix.position && sample.velocity == self.last_fix.velocity;
+        self.same = if is_same { self.same.saturating_add(1) } else { 0 };
+        self.last_fix = *sample;
+        self.same >= HANGS
+    }
+
     /// A velocity that goes another way than the inertial sensors say: they are wrong by more than
     /// the filter thinks.
     fn doubt(&mut self, filter: &mut Filter, outcome: &Result<Report<3>, Refusal>) {
@@ -297,7 +331,9 @@ impl Aiding {
         }
         let leans = report.tests.iter().zip(&mut self.leaning);
         let leans = leans.fold(false, |any, (test, leaning)| leaning.look(test) || any);
-        if leans && self.patience >= 1.0 {
+        if leans && self.patience < 1.0 {
+            self.distrust = DISTRUST;
+        } else if leans {
             self.patience -= 1.0;
             filter.doubt(&Doubt {
                 tilt: DOUBT_TILT,

@@ -56,6 +56,16 @@ impl Desk {
         }
     }
 
+    /// It has stood still for long enough to know its attitude, and nothing else.
+    fn aligned() -> Self {
+        let mut desk = Self::new();
+        desk.estimate = None;
+        for _ in 0..1300 {
+            desk.step();
+        }
+        desk
+    }
+
     fn step(&mut self) -> OuterResult {
         let mut inputs = core::mem::take(&mut self.inputs);
         if let Some(position) = self.estimate {
@@ -279,6 +289,7 @@ fn turning_is_no_disturbance() {
     assert!(scalar::norm(disturbance) < 1e-3, "{disturbance}");
     // The next step brings a push that thrust does not explain.
     desk.force = Vector3::new(1.0, 0.0, -specific);
+    desk.step();
     assert!(desk.step().report.disturbance.x > 0.01);
 }
 
@@ -377,12 +388,20 @@ fn tilted(thrust: f32) -> AttitudeSetpoint {
     }
 }
 
-/// Without a position there is one way to fly, and only that one.
+/// Without a position there is one way to fly, and only that one. The attitude must be known: from
+/// two seconds at rest, and three of waiting for a compass that is not there.
 #[test]
 fn attitude_from_outside_needs_no_position() {
     let mut desk = Desk::new();
     desk.estimate = None;
     let refused = |result: &OuterResult| result.report.refusals.first().copied();
+    desk.inputs.attitude.push(tilted(9.0)).unwrap();
+    let result = desk.command(Command::Arm);
+    assert_eq!(
+        refused(&result),
+        Some(Refused::Command(Command::Arm, Blocker::NoEstimate))
+    );
+    let mut desk = Desk::aligned();
     let result = desk.command(Command::Arm);
     assert_eq!(
         refused(&result),
@@ -408,8 +427,7 @@ fn attitude_from_outside_needs_no_position() {
 /// Half a second without a new attitude: level, and slowly down.
 #[test]
 fn an_attitude_from_outside_grows_old() {
-    let mut desk = Desk::new();
-    desk.estimate = None;
+    let mut desk = Desk::aligned();
     desk.inputs.attitude.push(tilted(9.0)).unwrap();
     desk.command(Command::Arm);
     desk.command(Command::StartAttitude);
