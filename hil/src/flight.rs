@@ -131,6 +131,9 @@ pub enum FlightError {
     /// The firmware has not what is to be held up.
     #[error(transparent)]
     Elf(#[from] ElfError),
+    /// The firmware would not let its motors turn.
+    #[error("the motors do not turn")]
+    Unarmed,
     /// The firmware's messages cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -196,13 +199,15 @@ impl Flight {
     /// What stopped the machine.
     pub fn arm(&mut self) -> Result<bool, FlightError> {
         let asked = self.machine.now();
-        while !self.turns() && self.machine.now() < asked + PATIENCE {
-            let waited = self.machine.now() - asked;
+        for step in 1..=PATIENCE / SETPOINT_PERIOD {
+            if self.turns() {
+                break;
+            }
             self.steer(0.0);
-            if waited % ARM_PERIOD == ARM_PERIOD / 2 {
+            if (step * SETPOINT_PERIOD).is_multiple_of(ARM_PERIOD) {
                 self.send(Request::Input(Input::Command(Command::Arm)));
             }
-            self.run(asked + waited + SETPOINT_PERIOD)?;
+            self.run(asked + step * SETPOINT_PERIOD)?;
         }
         self.begin = self.machine.now();
         self.load_before = self.machine.load().clone();
