@@ -1,5 +1,5 @@
-//! Counts instructions of the firmware's steps in a flight, and of the functions of
-//! `windhover-math`; `cargo xtask count` builds both programs and hands them over. Ends with 1
+//! Counts instructions of the firmware's steps in a flight, and of the core's functions by
+//! themselves; `cargo xtask count` builds both programs and hands them over. Ends with 1
 //! when a bound is missed, and with 2 when it could not count.
 
 use std::path::Path;
@@ -40,6 +40,6 @@ fn table() -> Result<Table, Box<dyn std::error::Error>> {
     let mut plan = Plan::calm(Vehicle::named("os4")?, SECONDS);
     plan.rig.record_every = 0;
     let ticks = ticks::count(Arc::new(Elf::load(Path::new(&firmware))?), &plan)?;
-    let functions = kernels::count(Arc::new(Elf::load(Path::new(&functions))?))?;
-    Ok(Table::new(&ticks, &functions))
+    let kernels = kernels::count(Arc::new(Elf::load(Path::new(&functions))?))?;
+    Ok(Table::new(&ticks, &kernels))
 }

@@ -23,9 +23,10 @@ pub struct Figures {
     pub speed: f64,
     /// Virtual time, s.
     pub virtual_s: f64,
-    /// Share of the processor's time for the inner loop and its interrupts; an estimate.
+    /// Share of the processor's time for the inner loop and its interrupts, since the motors turn;
+    /// an estimate.
     pub load_inner: f64,
-    /// Share of the processor's time awake; an estimate.
+    /// Share of the processor's time awake, since the motors turn; an estimate.
     pub load: f64,
     /// What the firmware itself says last.
     pub health: Option<BoardHealth>,
@@ -44,7 +45,7 @@ impl Figures {
     pub fn new(flight: &mut Flight, outcome: Outcome, log: &[u8], wall_s: f64) -> Self {
         let virtual_s = flight.machine.now() as f64 / SECOND as f64;
         let resets = flight.machine.resets().len();
-        let load = flight.machine.load();
+        let load = flight.load();
         let total = load.total().max(1) as f64;
         let inner: u64 = INNER_EXCEPTIONS.iter().map(|n| load.exception(*n)).sum();
         let mut figures = Self {

@@ -1,5 +1,5 @@
-//! A flight of the firmware on the emulated board: it boots, arms, holds the attitudes that a
-//! pilot commands over the command port, and disarms.
+//! A flight of the firmware on the emulated board: it boots, finds its attitude at rest, arms,
+//! holds the attitudes that a pilot commands over the command port, and disarms.
 //!
 //! The pilot sees the truth and holds the height by thrust, so that the attitude is all that the
 //! firmware is asked to hold.
@@ -17,7 +17,7 @@ use windhover_model::{Conditions, Truth, Vehicle};
 use crate::board::Board;
 use crate::elf::{Elf, ElfError};
 use crate::log::{Line, Log, LogError};
-use crate::machine::{Machine, MachineError, Options, Stop};
+use crate::machine::{Load, Machine, MachineError, Options, Stop};
 use crate::rig::{self, Rig};
 use crate::time::SECOND;
 use crate::trouble::{self, Slow, Trouble};
@@ -31,6 +31,16 @@ const SETPOINT_PERIOD: u64 = SECOND / 50;
 /// The firmware has booted and has samples so long after power-on or a restart, also where it
 /// programs its option bytes or erases a sector first.
 const READY: u64 = 2 * SECOND;
+
+/// The pilot asks so long for the motors before he gives up: the vehicle arms once it knows its
+/// attitude.
+const PATIENCE: u64 = 8 * SECOND;
+
+/// Between two requests to arm.
+const ARM_PERIOD: u64 = SECOND / 5;
+
+/// From motors that turn to the command to take attitudes.
+const START: u64 = SECOND / 10;
 
 /// Each attitude is held so long, in s.
 const HOLD: f64 = 5.0;
@@ -121,6 +131,9 @@ pub enum FlightError {
     /// The firmware has not what is to be held up.
     #[error(transparent)]
     Elf(#[from] ElfError),
+    /// The firmware would not let its motors turn.
+    #[error("the motors do not turn")]
+    Unarmed,
     /// The firmware's messages cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -137,6 +150,8 @@ pub struct Flight {
     troubles_done: usize,
     /// When the holds began.
     begin: u64,
+    /// How the processor's time was spent until then.
+    load_before: Load,
 }
 
 impl Flight {
@@ -156,6 +171,7 @@ impl Flight {
             plan,
             troubles_done: 0,
             begin: 0,
+            load_before: Load::default(),
         })
     }
 
@@ -173,8 +189,45 @@ impl Flight {
         if let Some(slow) = self.plan.slow.take() {
             trouble::slow(&mut self.machine, &slow)?;
         }
-        self.begin = self.machine.now();
         Ok(())
+    }
+
+    /// Asks for the motors until they turn, which the firmware refuses until it has stood still
+    /// for long enough to know its attitude. Whether they do turn; then the holds begin.
+    ///
+    /// # Errors
+    /// What stopped the machine.
+    pub fn arm(&mut self) -> Result<bool, FlightError> {
+        let asked = self.machine.now();
+        for step in 1..=PATIENCE / SETPOINT_PERIOD {
+            if self.turns() {
+                break;
+            }
+            self.steer(0.0);
+            if (step * SETPOINT_PERIOD).is_multiple_of(ARM_PERIOD) {
+                self.send(Request::Input(Input::Command(Command::Arm)));
+            }
+            self.run(asked + step * SETPOINT_PERIOD)?;
+        }
+        self.begin = self.machine.now();
+        self.load_before = self.machine.load().clone();
+        Ok(self.turns())
+    }
+
+    /// When the holds began, in s since power-on.
+    pub fn begin(&self) -> f64 {
+        self.begin as f64 / SECOND as f64
+    }
+
+    /// How the processor's time was spent since the holds began.
+    pub fn load(&mut self) -> Load {
+        self.machine.load().since(&self.load_before)
+    }
+
+    /// Whether any motor is commanded.
+    fn turns(&self) -> bool {
+        let commands = self.machine.bus().wiring.motor_commands();
+        commands.iter().any(|command| command.unwrap_or(0) > 0)
     }
 
     /// Flies from power-on to disarmed. `progress` is told the share that is done.
@@ -183,15 +236,14 @@ impl Flight {
     /// What stopped the machine.
     pub fn fly(&mut self, mut progress: impl FnMut(f64)) -> Result<Outcome, FlightError> {
         self.prepare()?;
+        self.arm()?;
         let mut outcome = Outcome::default();
         let steps = (self.plan.seconds * 50.0) as u64;
         for step in 0..steps {
             let error = self.steer(step as f64 / 50.0);
             outcome.attitude_error = max(outcome.attitude_error, error.unwrap_or(0.0));
-            match step {
-                5 => self.send(Request::Input(Input::Command(Command::Arm))),
-                10 => self.send(Request::Input(Input::Command(Command::StartAttitude))),
-                _ => {}
+            if step * SETPOINT_PERIOD == START {
+                self.send(Request::Input(Input::Command(Command::StartAttitude)));
             }
             self.run(self.begin + (step + 1) * SETPOINT_PERIOD)?;
             outcome.height = max(outcome.height, -self.truth().position.z);
@@ -199,8 +251,7 @@ impl Flight {
         }
         self.send(Request::Urgent(Urgent::Disarm));
         self.run(self.machine.now() + SECOND / 2)?;
-        let commands = self.machine.bus().wiring.motor_commands();
-        outcome.stopped = commands.iter().all(|command| command.unwrap_or(0) == 0);
+        outcome.stopped = !self.turns();
         Ok(outcome)
     }
 

@@ -116,9 +116,9 @@ impl Past {
         );
         let r = now.attitude.to_matrix();
         let (attitude, row) = match axis {
-            Axis::X => ([0.0, -f.z, f.y], [r.m11, r.m12, r.m13]),
-            Axis::Y => ([f.z, 0.0, -f.x], [r.m21, r.m22, r.m23]),
-            Axis::Z => ([-f.y, f.x, 0.0], [r.m31, r.m32, r.m33]),
+            Axis::X => ([(Axis::Y, -f.z), (Axis::Z, f.y)], [r.m11, r.m12, r.m13]),
+            Axis::Y => ([(Axis::X, f.z), (Axis::Z, -f.x)], [r.m21, r.m22, r.m23]),
+            Axis::Z => ([(Axis::X, -f.y), (Axis::Y, f.x)], [r.m31, r.m32, r.m33]),
         };
         LateVelocity {
             attitude,
@@ -130,7 +130,11 @@ impl Past {
     /// Attitude then, as believed now.
     #[inline(always)]
     pub(crate) fn attitude(&self, now: &State) -> Quaternion {
-        now.attitude * self.turned
+        if self.lag > 0.0 {
+            now.attitude * self.turned
+        } else {
+            now.attitude
+        }
     }
 }
 

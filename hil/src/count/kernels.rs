@@ -1,4 +1,5 @@
-//! The functions of `windhover-math`, counted in the program `hil/kernels`.
+//! The functions of `windhover-math`, the filter and the outer step in a mission, counted in the
+//! program `hil/kernels`.
 
 use std::sync::Arc;
 
@@ -9,27 +10,61 @@ use crate::flight::FlightError;
 use crate::machine::{Machine, Options};
 use crate::time::{NEVER, SECOND};
 
-/// The functions, each of that name in the program.
+/// The functions of `windhover-math`, each of that name in the program.
 pub const FUNCTIONS: [&str; 6] = ["sin", "cos", "sin_cos", "asin", "acos", "atan2"];
 
-/// It takes a fraction of a second.
-const LIMIT: u64 = 10 * SECOND;
+/// The filter's functions, each of that name in the program, and how many scalars it takes in.
+const FILTER: [(&str, u64); 7] = [
+    ("predict", 1),
+    ("barometer", 1),
+    ("compass", 1),
+    ("gravity", 3),
+    ("gnss_position", 2),
+    ("gnss_height", 1),
+    ("gnss_velocity", 3),
+];
 
-/// Runs the program to its end; a count for each of [`FUNCTIONS`].
+/// It takes a few seconds.
+const LIMIT: u64 = 60 * SECOND;
+
+/// What the program's functions cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kernels {
+    /// In the order of [`FUNCTIONS`].
+    pub functions: [Count; 6],
+    /// Predict, and the measurements' updates, per scalar: barometer, compass, gravity, a
+    /// receiver's late north and east, its late height, its late velocity.
+    pub filter: [Count; 7],
+    /// The outer step of a vehicle on its mission that is told where it is.
+    pub mission: Count,
+}
+
+/// Runs the program to its end.
 ///
 /// # Errors
 /// When this is another program, or it does what a program must not.
-pub fn count(elf: Arc<Elf>) -> Result<[Count; 6], FlightError> {
+pub fn count(elf: Arc<Elf>) -> Result<Kernels, FlightError> {
     let mut machine = Machine::new(Board::new(Bare), elf, Options::default())?;
+    let mut probe = |function: &str| machine.count(format!("windhover_kernels::{function}").as_str());
     let mut probes = Vec::new();
     for function in FUNCTIONS {
-        probes.push(machine.count(format!("windhover_kernels::{function}").as_str())?);
+        probes.push(probe(&format!("functions::{function}"))?);
     }
+    for (function, _) in FILTER {
+        probes.push(probe(&format!("filter::{function}"))?);
+    }
+    let mission = probe("mission::outer_step")?;
     // It sleeps when it has done all calls.
     while machine.load().asleep == 0 && machine.now() < LIMIT {
         machine.run(machine.now() + SECOND / 10)?;
     }
-    Ok(std::array::from_fn(|i| machine.calls(probes[i]).into()))
+    let count = |probe| Count::from(machine.calls(probe));
+    let (functions, filter) = probes.split_at(FUNCTIONS.len());
+    Ok(Kernels {
+        functions: std::array::from_fn(|i| count(functions[i])),
+        filter: std::array::from_fn(|i| count(filter[i]).per(FILTER[i].1)),
+        mission: count(mission),
+    })
 }
 
 /// Pins without anything on them.

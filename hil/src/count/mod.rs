@@ -2,7 +2,8 @@
 //! instruction and the one behind its call.
 //!
 //! - [`ticks`]: the steps of the shipped firmware, in a flight.
-//! - [`kernels`]: the functions of `windhover-math`, over their arguments.
+//! - [`kernels`]: the functions of `windhover-math` over their arguments, the filter over a flight,
+//!   the outer step in a mission.
 //! - [`table`]: bounds, peers' figures, and how all of it is shown.
 //!
 //! A call is counted with its return and without the instruction that calls; what preempts it is
@@ -53,6 +54,16 @@ impl Count {
             max: high,
             instructions: self.instructions + more.instructions,
             cycles: self.cycles + more.cycles,
+        }
+    }
+
+    /// The same for each of the so many equal parts of a call.
+    pub fn per(&self, parts: u64) -> Self {
+        Self {
+            calls: self.calls * parts,
+            min: self.min / parts,
+            max: self.max.div_ceil(parts),
+            ..*self
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::Count;
-use super::kernels::FUNCTIONS;
+use super::kernels::{FUNCTIONS, Kernels};
 use super::ticks::Ticks;
 
 /// What a count must not exceed.
@@ -61,6 +61,16 @@ const OUTER: Peers = &[
     ("PX4, PositionControl", 892),
 ];
 
+const PREDICT: Peers = &[
+    ("Crazyflie, kalman_core, 9 states", 11_632),
+    ("eskf-rs, 15 states", 4_534),
+];
+
+const SCALAR: Peers = &[
+    ("Crazyflie, kalman_core, one scalar", 14_702),
+    ("eskf-rs, height", 3_130),
+];
+
 const SIN: Peers = &[
     ("newlib", 84),
     ("micromath, error 1e-3", 38),
@@ -86,10 +96,11 @@ struct Row {
 pub struct Table(Vec<Row>);
 
 impl Table {
-    /// From counts of the firmware's steps, and of the functions in the order of [`FUNCTIONS`].
-    pub fn new(ticks: &Ticks, functions: &[Count; 6]) -> Self {
+    /// From counts of the firmware's steps, and of the single functions.
+    pub fn new(ticks: &Ticks, kernels: &Kernels) -> Self {
         use Bound::{Each, Mean, None};
-        let [sin, cos, sin_cos, asin, acos, atan2] = *functions;
+        let [sin, cos, sin_cos, asin, acos, atan2] = kernels.functions;
+        let [predict, barometer, compass, gravity, place, height, velocity] = kernels.filter;
         let row = |name, count, bound, peers| Row {
             name,
             count,
@@ -104,7 +115,20 @@ impl Table {
             row("  gyro filter in it", ticks.filter, None, &[]),
             row("  at a boundary", ticks.boundaries, None, &[]),
             row("  all of them", all, None, &[]),
-            row("outer tick", ticks.outer, None, OUTER),
+            row(
+                "outer tick in a mission, no filter",
+                kernels.mission,
+                Each(2000),
+                OUTER,
+            ),
+            row("outer tick, filter, no position", ticks.outer, None, &[]),
+            row("filter: predict", predict, Each(1500), PREDICT),
+            row("  barometer, direct", barometer, Each(800), SCALAR),
+            row("  compass, 3 non-zeros", compass, Each(1000), &[]),
+            row("  gravity, each of 3 scalars", gravity, Each(1000), &[]),
+            row("  late position, each of 2", place, Each(1000), &[]),
+            row("  late height", height, Each(1000), &[]),
+            row("  late velocity, each of 3", velocity, Each(1000), &[]),
             row(sin_name, sin, Each(50), SIN),
             row(cos_name, cos, Each(50), &[]),
             row(sin_cos_name, sin_cos, Each(65), &[]),
@@ -125,7 +149,7 @@ impl Display for Table {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         writeln!(
             f,
-            "{:22} {:>7} {:>6} {:>8} {:>6} {:>9} {:>9}",
+            "{:34} {:>7} {:>6} {:>8} {:>6} {:>9} {:>9}",
             "instructions", "calls", "min", "mean", "max", "at most", "cycles*"
         )?;
         for row in &self.0 {
@@ -135,7 +159,7 @@ impl Display for Table {
             let verdict = if bound.holds(count) { "" } else { "  MISSED" };
             writeln!(
                 f,
-                "{name:22} {:>7} {:>6} {:>8.1} {:>6} {bound:>9} {:>9.1}{verdict}",
+                "{name:34} {:>7} {:>6} {:>8.1} {:>6} {bound:>9} {:>9.1}{verdict}",
                 count.calls,
                 count.min,
                 count.mean(),
@@ -143,7 +167,7 @@ impl Display for Table {
                 count.mean_cycles()
             )?;
             for (peer, instructions) in row.peers {
-                writeln!(f, "{:30} {instructions:>15}  {peer}", "")?;
+                writeln!(f, "{:42} {instructions:>15}  {peer}", "")?;
             }
         }
         writeln!(f, "* of a call in the mean; an estimate by the cost model")
@@ -175,8 +199,8 @@ mod tests {
 
     #[test]
     fn what_was_never_called_holds_no_bound() {
-        let table = Table::new(&Ticks::default(), &[Count::default(); 6]);
-        assert_eq!(table.missed().len(), 7);
+        let table = Table::new(&Ticks::default(), &Kernels::default());
+        assert_eq!(table.missed().len(), 15);
     }
 
     #[test]
@@ -185,7 +209,12 @@ mod tests {
             between: calls(900, 1300, 2200),
             ..Ticks::default()
         };
-        let table = Table::new(&ticks, &[calls(40, 50, 90); 6]);
+        let kernels = Kernels {
+            functions: [calls(40, 50, 90); 6],
+            filter: [calls(700, 800, 1500); 7],
+            mission: calls(1000, 2000, 3000),
+        };
+        let table = Table::new(&ticks, &kernels);
         assert_eq!(table.missed(), ["inner tick in flight"]);
         assert_eq!(table.to_string().matches("MISSED").count(), 1);
     }

@@ -24,12 +24,14 @@ const SLICE: u64 = SECOND / 10_000;
 /// A setpoint arrives so often.
 const SETPOINT_PERIOD: u64 = SECOND / 50;
 
-/// When the firmware is told to arm, and then to take attitudes.
-const ARM: u64 = SECOND;
-const START: u64 = SECOND + SECOND / 10;
+/// So long the disarmed vehicle is looked at, from power-on.
+const DISARMED: u64 = SECOND;
 
-/// From then on the vehicle is in the air, and everything counts.
-const AIRBORNE: u64 = 3 * SECOND;
+/// When the firmware is told to take attitudes, since its motors turn.
+const START: u64 = SECOND / 10;
+
+/// From then on, since its motors turn, the vehicle is in the air, and everything counts.
+const AIRBORNE: u64 = 2 * SECOND;
 
 /// Thrust as a share of the weight.
 const CLIMB: f64 = 1.05;
@@ -49,7 +51,7 @@ pub struct Ticks {
     pub filter: Count,
     /// Inner ticks in the air that also adopt a result of the outer step and hand over to it.
     pub boundaries: Count,
-    /// The outer step in the air.
+    /// The outer step in the air: the filter, and attitudes that are passed on.
     pub outer: Count,
 }
 
@@ -62,42 +64,51 @@ pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
     let mut inner = Sampler::new(&mut flight.machine, "steps::inner_step")?;
     let mut outer = Sampler::new(&mut flight.machine, "steps::outer_step")?;
     let mut filter = Sampler::new(&mut flight.machine, "GyroFilter::step")?;
-    let end = AIRBORNE + (plan.seconds * SECOND as f64) as u64;
     let mut ticks = Ticks::default();
+    for slice in 1..=DISARMED / SLICE {
+        flight.run(slice * SLICE)?;
+        if let Some(call) = inner.take(&flight.machine) {
+            ticks.disarmed.add(call);
+        }
+    }
+    flight.prepare()?;
+    if !flight.arm()? {
+        return Err(FlightError::Unarmed);
+    }
+    let armed = flight.machine.now();
+    let end = AIRBORNE + (plan.seconds * SECOND as f64) as u64;
     let mut last_inner = None;
     for slice in 0..end / SLICE {
         let now = slice * SLICE;
         steer(&mut flight, plan.vehicle.plant.mass, now);
-        flight.run(now + SLICE)?;
-        if let Some(call) = inner.take(&flight.machine) {
+        flight.run(armed + now + SLICE)?;
+        let calls = [&mut inner, &mut filter, &mut outer].map(|sampler| sampler.take(&flight.machine));
+        let [inner, filter, outer] = if now < AIRBORNE { [None; 3] } else { calls };
+        if let Some(call) = inner
+            && let Some(call) = last_inner.replace(call)
+        {
             // Whether the last one was a boundary is known by now.
-            if let (Some(call), AIRBORNE..) = (last_inner.replace(call), now) {
-                ticks.between.add(call);
-            } else if now < ARM {
-                ticks.disarmed.add(call);
-            }
+            ticks.between.add(call);
         }
-        if let (Some(call), AIRBORNE..) = (filter.take(&flight.machine), now) {
+        if let Some(call) = filter {
             ticks.filter.add(call);
         }
         // An outer step ends before the next inner tick: the last one was its boundary.
-        if let (Some(call), AIRBORNE..) = (outer.take(&flight.machine), now) {
+        if let Some(call) = outer {
             ticks.outer.add(call);
-            ticks
-                .boundaries
-                .add(last_inner.take().expect("an inner tick comes before"));
+            if let Some(call) = last_inner.take() {
+                ticks.boundaries.add(call);
+            }
         }
     }
     Ok(ticks)
 }
 
-/// Sends what is due at this moment.
+/// Sends what is due at this moment since the motors turn.
 fn steer(flight: &mut Flight, mass: f64, now: u64) {
     let mut send = |input| flight.send(Request::Input(input));
-    match now {
-        ARM => send(Input::Command(Command::Arm)),
-        START => send(Input::Command(Command::StartAttitude)),
-        _ => {}
+    if now == START {
+        send(Input::Command(Command::StartAttitude));
     }
     if now.is_multiple_of(SETPOINT_PERIOD) {
         let [roll, pitch] = TILTS[(now / HOLD) as usize % TILTS.len()].map(f32::to_radians);

@@ -144,7 +144,7 @@ fn with_data_ready_lost_at_random() {
         let mut plan = plan(8.0)
             .with_parameter("IMU_GYRO_RATEMAX", rate)
             .expect("a rate");
-        plan.rig.faults = vec!["data-ready-random@7".parse().expect("a fault")];
+        plan.rig.faults = vec!["data-ready-random@10.5".parse().expect("a fault")];
         plan.rig.seed = seed;
         let (_, figures) = fly(&plan);
         assert!(figures.replays(), "seed {seed}: {:?}", figures.replay);
@@ -186,7 +186,7 @@ fn with_sensors_whose_clock_is_off() {
         let quiet = fly(&plan).1;
         assert!(quiet.replays(), "{rate} {ppm}: {:?}", quiet.replay);
         assert!(quiet.outcome.height > 3.0, "{rate} {ppm}: {:?}", quiet.outcome);
-        plan.rig.faults = vec!["data-ready-random@6".parse().expect("a fault")];
+        plan.rig.faults = vec!["data-ready-random@9.5".parse().expect("a fault")];
         let (_, lossy) = fly(&plan);
         assert!(lossy.replays(), "{rate} {ppm}: {:?}", lossy.replay);
         let [few, many] = [quiet, lossy].map(|figures| figures.counts.expect("sums").missing);

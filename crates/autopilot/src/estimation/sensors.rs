@@ -15,9 +15,9 @@ use crate::inner::Snapshot;
 
 /// How still a vehicle stands, m/s, and its gyro's mean over an interval, rad/s.
 const REST: (f32, f32) = (0.05, 0.01);
-/// How far the specific force is from gravity's in flight, in a mean over 4 ms, m/s². It counts
-/// only while no velocity is measured.
-const FLIGHT_FORCE: f32 = 2.0;
+/// How far the specific force is from gravity's in flight, m/s²: 2 m/s², and alike for seconds, so
+/// that 25 in a row say no more than one. It counts only while no velocity is measured.
+const FLIGHT_FORCE: f32 = 10.0;
 
 /// Of a receiver's declared variance, the share that changes over minutes.
 const SLOW_SHARE: f32 = 0.75;

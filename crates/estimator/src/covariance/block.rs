@@ -97,20 +97,16 @@ pub(crate) fn add_outer_symmetric(x: &mut Block, k: Row, c: Row) {
     mirror(x);
 }
 
-/// c += M h.
+/// M h.
 #[inline(always)]
-pub(crate) fn add_product(c: &mut Row, m: &Block, h: Row) {
-    c[0] = c[0] + m[0][0] * h[0] + m[0][1] * h[1] + m[0][2] * h[2];
-    c[1] = c[1] + m[1][0] * h[0] + m[1][1] * h[1] + m[1][2] * h[2];
-    c[2] = c[2] + m[2][0] * h[0] + m[2][1] * h[1] + m[2][2] * h[2];
+pub(crate) fn product(m: &Block, h: Row) -> Row {
+    [dot(m[0], h), dot(m[1], h), dot(m[2], h)]
 }
 
-/// c += Mᵀ h.
+/// Mᵀ h.
 #[inline(always)]
-pub(crate) fn add_transposed_product(c: &mut Row, m: &Block, h: Row) {
-    c[0] = c[0] + m[0][0] * h[0] + m[1][0] * h[1] + m[2][0] * h[2];
-    c[1] = c[1] + m[0][1] * h[0] + m[1][1] * h[1] + m[2][1] * h[2];
-    c[2] = c[2] + m[0][2] * h[0] + m[1][2] * h[1] + m[2][2] * h[2];
+pub(crate) fn transposed_product(m: &Block, h: Row) -> Row {
+    [dot(column(m, 0), h), dot(column(m, 1), h), dot(column(m, 2), h)]
 }
 
 /// a · b.

@@ -1,6 +1,6 @@
 //! Columns of the covariance: of a state, and of the sums of states that sensors measure.
 
-use super::block::{Row, add_product, add_row, add_transposed_product, column, scaled, set_column};
+use super::block::{Row, add_row, column, product, scaled, set_column, transposed_product};
 use super::{Axis, Covariance};
 
 /// Covariance of every error state with one scalar.
@@ -131,30 +131,24 @@ impl Covariance {
     /// Covariance with h · attitude error.
     #[inline(always)]
     pub(super) fn direction_column(&self, h: Row) -> Column {
-        let mut c = Column {
-            p: [0.0; 3],
-            v: [0.0; 3],
-            a: [0.0; 3],
-            g: [0.0; 3],
-            b: [0.0; 3],
-        };
-        add_product(&mut c.p, &self.pa, h);
-        add_product(&mut c.v, &self.va, h);
-        add_product(&mut c.a, &self.aa, h);
-        add_transposed_product(&mut c.g, &self.ag, h);
-        add_transposed_product(&mut c.b, &self.ab, h);
-        c
+        Column {
+            p: product(&self.pa, h),
+            v: product(&self.va, h),
+            a: product(&self.aa, h),
+            g: transposed_product(&self.ag, h),
+            b: transposed_product(&self.ab, h),
+        }
     }
 
-    /// Covariance with h · attitude error + hb · error of the accelerometer bias.
+    /// Covariance with h · error of the accelerometer bias.
     #[inline(always)]
-    pub(super) fn force_column(&self, h: Row, hb: Row) -> Column {
-        let mut c = self.direction_column(h);
-        add_product(&mut c.p, &self.pb, hb);
-        add_product(&mut c.v, &self.vb, hb);
-        add_product(&mut c.a, &self.ab, hb);
-        add_product(&mut c.g, &self.gb, hb);
-        add_product(&mut c.b, &self.bb, hb);
-        c
+    pub(super) fn bias_column(&self, h: Row) -> Column {
+        Column {
+            p: product(&self.pb, h),
+            v: product(&self.vb, h),
+            a: product(&self.ab, h),
+            g: product(&self.gb, h),
+            b: product(&self.bb, h),
+        }
     }
 }

@@ -18,7 +18,7 @@ mod update;
 pub use bound::Limits;
 pub(crate) use column::Column;
 pub(crate) use predict::{Added, Transition};
-pub(crate) use update::{LateVelocity, Reference};
+pub(crate) use update::{Force, LateVelocity, Reference};
 
 use block::{Block, ZERO};
 

@@ -7,7 +7,7 @@
 
 use windhover_math::max;
 
-use super::block::{Row, add_outer, add_outer_symmetric, add_product, dot, scaled};
+use super::block::{Row, add_outer, add_outer_symmetric, dot, product, scaled};
 use super::column::Column;
 use super::{Axis, Covariance};
 use crate::state::State;
@@ -28,12 +28,21 @@ pub(crate) enum Reference {
 /// How a past velocity differs from the present one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LateVelocity {
-    /// Coefficients of the attitude error.
-    pub(crate) attitude: Row,
+    /// Coefficients of the attitude error about the other two axes.
+    pub(crate) attitude: [(Axis, f32); 2],
     /// Coefficients of the error of the accelerometer bias.
     pub(crate) bias: Row,
     /// Process noise since then, m²/s².
     pub(crate) since: f32,
+}
+
+/// How a component of the specific force depends on errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Force {
+    /// The axis of the attitude error, with its coefficient.
+    pub(crate) tilt: Option<(Axis, f32)>,
+    /// Coefficients of the error of the accelerometer bias.
+    pub(crate) bias: Row,
 }
 
 /// Least share of a variance that one measurement leaves. `f32` has seven digits: what is left of
@@ -152,9 +161,7 @@ impl Covariance {
     /// Variance of h · attitude error.
     #[inline(always)]
     pub(crate) fn direction_variance(&self, h: Row) -> f32 {
-        let mut a = [0.0; 3];
-        add_product(&mut a, &self.aa, h);
-        dot(h, a)
+        dot(h, product(&self.aa, h))
     }
 
     /// Takes in a measurement of h · attitude error.
@@ -166,25 +173,38 @@ impl Covariance {
         }
     }
 
-    /// Variance of h · attitude error + hb · error of the accelerometer bias.
+    /// Variance of a force.
     #[inline(always)]
-    pub(crate) fn force_variance(&self, h: Row, hb: Row) -> f32 {
-        let c = self.force_column(h, hb);
-        dot(h, c.a) + dot(hb, c.b)
+    pub(crate) fn force_variance(&self, force: &Force) -> f32 {
+        let hb = force.bias;
+        let bias = dot(hb, product(&self.bb, hb));
+        let Some((axis, h)) = force.tilt else {
+            return bias;
+        };
+        let k = axis as usize;
+        h * h * self.aa[k][k] + 2.0 * h * dot(self.ab[k], hb) + bias
     }
 
-    /// Takes in a measurement of h · attitude error + hb · error of the accelerometer bias.
+    /// Takes in a measurement of a force.
     #[inline(always)]
-    pub(crate) fn fuse_force(&mut self, state: &mut State, h: Row, hb: Row, innovation: f32, noise: f32) {
-        let c = self.force_column(h, hb);
-        let scale = self.attitude_scale(h) + self.bias_scale(hb);
-        if let Some(Weight { gain, .. }) = weigh(dot(h, c.a) + dot(hb, c.b), scale, noise) {
+    pub(crate) fn fuse_force(&mut self, state: &mut State, force: &Force, innovation: f32, noise: f32) {
+        let hb = force.bias;
+        let mut c = self.bias_column(hb);
+        let mut scale = self.bias_scale(hb);
+        let mut variance = 0.0;
+        if let Some((axis, h)) = force.tilt {
+            let k = axis as usize;
+            c.add(h, &self.attitude_column(axis));
+            scale += h * h * self.aa[k][k];
+            variance = h * c.a[k];
+        }
+        if let Some(Weight { gain, .. }) = weigh(variance + dot(hb, c.b), scale, noise) {
             self.apply(state, &c, gain, innovation);
         }
     }
 
-    /// Takes in a velocity that is no longer the present one: velocity of the axis + h · attitude
-    /// error + hb · error of the accelerometer bias, less the process noise of variance `since`.
+    /// Takes in a velocity that is no longer the present one: velocity of the axis + what turns it
+    /// + hb · error of the accelerometer bias, less the process noise of variance `since`.
     #[inline(always)]
     pub(crate) fn fuse_late_velocity(
         &mut self,
@@ -194,13 +214,17 @@ impl Covariance {
         innovation: f32,
         noise: f32,
     ) {
-        let (h, hb) = (late.attitude, late.bias);
+        let ([(i, hi), (j, hj)], hb) = (late.attitude, late.bias);
         let k = axis as usize;
-        let mut c = self.force_column(h, hb);
+        let mut c = self.bias_column(hb);
+        c.add(hi, &self.attitude_column(i));
+        c.add(hj, &self.attitude_column(j));
         c.add(1.0, &self.velocity_column(axis));
         c.v[k] -= late.since;
-        let variance = c.v[k] + dot(h, c.a) + dot(hb, c.b);
-        let scale = self.vv[k][k] + self.attitude_scale(h) + self.bias_scale(hb);
+        let (i, j) = (i as usize, j as usize);
+        let variance = c.v[k] + hi * c.a[i] + hj * c.a[j] + dot(hb, c.b);
+        let turning = hi * hi * self.aa[i][i] + hj * hj * self.aa[j][j];
+        let scale = self.vv[k][k] + turning + self.bias_scale(hb);
         if let Some(Weight { gain, .. }) = weigh(variance, scale, noise) {
             self.apply(state, &c, gain, innovation);
         }

@@ -53,14 +53,16 @@ impl Filter {
         }
         let inverse = 1.0 / across;
         let noise = measured.noise * inverse + measured.bearing_noise;
-        let innovation = wrap_pi(measured.bearing - atan2(d.y, d.x));
-        let h = if measured.is_bearing_exact {
+        let (innovation, h) = if measured.is_bearing_exact {
             let (sin, cos) = sin_cos(measured.bearing);
             let steep = -d.z * sqrt(inverse);
-            [cos * steep, sin * steep, 1.0]
+            // From the direction to its bearing: no difference of angles that would be wrapped.
+            let (across, along) = (sin * d.x - cos * d.y, cos * d.x + sin * d.y);
+            (atan2(across, along), [cos * steep, sin * steep, 1.0])
         } else {
             let steep = -d.z * inverse;
-            [d.x * steep, d.y * steep, 1.0]
+            let innovation = wrap_pi(measured.bearing - atan2(d.y, d.x));
+            (innovation, [d.x * steep, d.y * steep, 1.0])
         };
         let tests = [Test {
             innovation,

@@ -1,45 +1,34 @@
 //! Gravity, of a vehicle that stands still: the accelerometer shows nothing else.
 //!
 //! In the world the specific force is then (0, 0, −g). Estimated is f = R(f_body − b_a); the truth
-//! is f + δθ × f − R δb_a. Row by row of the difference: two or three non-zeros in the attitude,
-//! three in the bias. What tells tilt and bias apart is turning the vehicle; at rest the filter
-//! learns their sum, and keeps the correlation.
+//! is f + δθ × f − R δb_a. For the f in δθ × f the force is taken that is known, (0, 0, −g): the
+//! estimated one would let what an accelerating vehicle shows turn a heading that is not known (by
+//! 2° in a minute of attitudes flown without a compass). Row by row of the difference: at most one
+//! non-zero in the attitude, three in the bias. What tells tilt and bias apart is turning the
+//! vehicle; at rest the filter learns their sum, and keeps the correlation.
 
 use windhover_math::{GRAVITY, Vector3};
 
 use crate::border::{LARGEST_FORCE, Refusal, deviation, vector};
+use crate::covariance::{Axis, Force};
 use crate::filter::Filter;
 use crate::gate::{Report, Test};
 use crate::health::Sensor;
 use crate::state::{InertialIncrements, State};
 
-/// One row: what it should be less what it is, with its coefficients.
-struct Row {
-    innovation: f32,
-    attitude: [f32; 3],
-    bias: [f32; 3],
-}
-
-fn rows(state: &State, force: Vector3) -> [Row; 3] {
+/// What an axis of the world should show less what it shows, and what that depends on.
+#[inline(always)]
+fn row(state: &State, force: Vector3, axis: Axis) -> (f32, Force) {
     let r = state.attitude.to_matrix();
-    let f = state.attitude.rotate(force - state.accel_bias);
-    [
-        Row {
-            innovation: -f.x,
-            attitude: [0.0, f.z, -f.y],
-            bias: [-r.m11, -r.m12, -r.m13],
-        },
-        Row {
-            innovation: -f.y,
-            attitude: [-f.z, 0.0, f.x],
-            bias: [-r.m21, -r.m22, -r.m23],
-        },
-        Row {
-            innovation: -GRAVITY - f.z,
-            attitude: [f.y, -f.x, 0.0],
-            bias: [-r.m31, -r.m32, -r.m33],
-        },
-    ]
+    let own = force - state.accel_bias;
+    let (expected, tilt, [x, y, z]) = match axis {
+        Axis::X => (0.0, Some((Axis::Y, -GRAVITY)), [r.m11, r.m12, r.m13]),
+        Axis::Y => (0.0, Some((Axis::X, GRAVITY)), [r.m21, r.m22, r.m23]),
+        Axis::Z => (-GRAVITY, None, [r.m31, r.m32, r.m33]),
+    };
+    let innovation = expected - (x * own.x + y * own.y + z * own.z);
+    let bias = [-x, -y, -z];
+    (innovation, Force { tilt, bias })
 }
 
 impl Filter {
@@ -60,26 +49,28 @@ impl Filter {
         let checked = deviation(claimed).and_then(|()| vector(force, LARGEST_FORCE));
         self.counted(Sensor::Gravity, checked)?;
         let noise = claimed * claimed;
-        let tests = rows(&self.state, force).map(|row| Test {
-            innovation: row.innovation,
-            variance: self.covariance.force_variance(row.attitude, row.bias) + noise,
-        });
-        let take_in = |filter: &mut Self| {
-            // Against the state that the row before has left.
-            for k in 0..3 {
-                if let Some(row) = rows(&filter.state, force).get(k) {
-                    filter.covariance.fuse_force(
-                        &mut filter.state,
-                        row.attitude,
-                        row.bias,
-                        row.innovation,
-                        noise,
-                    );
-                }
+        let test = |axis| {
+            let (innovation, row) = row(&self.state, force, axis);
+            Test {
+                innovation,
+                variance: self.covariance.force_variance(&row) + noise,
             }
+        };
+        let tests = [test(Axis::X), test(Axis::Y), test(Axis::Z)];
+        let take_in = |filter: &mut Self| {
+            // Each against the state that the one before has left.
+            filter.fuse_gravity_axis(force, Axis::X, noise);
+            filter.fuse_gravity_axis(force, Axis::Y, noise);
+            filter.fuse_gravity_axis(force, Axis::Z, noise);
         };
         // There is no reset by gravity: what does not pass time and again is a vehicle that does
         // not stand still.
         Ok(self.decide(Sensor::Gravity, tests, take_in, |_| {}))
+    }
+    #[inline(always)]
+    fn fuse_gravity_axis(&mut self, force: Vector3, axis: Axis, noise: f32) {
+        let (innovation, row) = row(&self.state, force, axis);
+        self.covariance
+            .fuse_force(&mut self.state, &row, innovation, noise);
     }
 }

@@ -1,0 +1,126 @@
+//! The outer step in a mission, of a vehicle that is told each time where it is: just where it
+//! should be. So there is all of the step but the filter.
+
+use core::hint::black_box;
+
+use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::{
+    Command, ExternalEstimate, Increments, MissionCommit, Outer, OuterConfig, OuterInputs, OuterResult,
+    Parameters, Snapshot,
+};
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_math::{GRAVITY, Quaternion, Vector3};
+
+use crate::require;
+
+const HOME: GlobalPosition = GlobalPosition {
+    latitude: 473_977_419,
+    longitude: 85_455_938,
+    altitude: 488_000,
+};
+
+/// Corners of the flight, NED, m.
+const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [15.0, 0.0], [15.0, 10.0], [-5.0, 10.0]];
+const HEIGHT: f32 = 5.0;
+
+/// Most steps of the flight: 60 s.
+const STEPS: u32 = 15_000;
+const INTERVAL: f32 = 0.004;
+
+pub fn fly() {
+    let config = OuterConfig {
+        home: Some(HOME),
+        ..OuterConfig::default()
+    };
+    let Some(mut outer) = Outer::new(Parameters::default(), &config) else {
+        return require(false);
+    };
+    let frame = LocalFrame::new(HOME);
+    let items = CORNERS.map(|corner| waypoint(&frame, corner));
+    let mut estimate = ExternalEstimate {
+        position: Vector3::zeros(),
+        velocity: Vector3::zeros(),
+        attitude: Quaternion::IDENTITY,
+    };
+    let mut steps = 0;
+    for step in 0..STEPS {
+        let snapshot = snapshot(step, &estimate);
+        let result = if is_flying(&outer, &snapshot) {
+            steps += 1;
+            outer_step(&mut outer, black_box(&snapshot), &items)
+        } else {
+            // The same, but not counted.
+            on_ground(&mut outer, black_box(&snapshot), &items)
+        };
+        let Some(there) = result.report.trajectory else {
+            continue;
+        };
+        estimate.position = there.position;
+        estimate.velocity = there.velocity;
+        estimate.attitude = result.setpoint.attitude;
+    }
+    require(steps > 1000);
+}
+
+/// Whether this step is one of a vehicle that is in the air on its mission.
+fn is_flying(outer: &Outer, snapshot: &Snapshot) -> bool {
+    let height = -outer.estimation().estimate().position.z;
+    snapshot.inputs.command.is_empty() && height > 1.0
+}
+
+fn waypoint(frame: &LocalFrame, [north, east]: [f32; 2]) -> MissionItem {
+    let place = frame.to_global(Vector3::new(north, east, 0.0));
+    MissionItem {
+        command: 16,
+        frame: 3,
+        autocontinue: true,
+        params: [0.0, 0.0, 0.0, f32::NAN],
+        x: place.latitude,
+        y: place.longitude,
+        z: HEIGHT,
+    }
+}
+
+/// What there is to know at a step, and what the operator wants in the first ones.
+fn snapshot(step: u32, estimate: &ExternalEstimate) -> Snapshot {
+    let mut inputs = OuterInputs::default();
+    let _ = inputs.external.push(*estimate);
+    let command = match step {
+        1 => Some(Command::Arm),
+        2 => Some(Command::CommitMission(MissionCommit {
+            slot: 0,
+            count: CORNERS.len() as u16,
+            crc: 0,
+        })),
+        3 => Some(Command::StartMission),
+        _ => None,
+    };
+    if let Some(command) = command {
+        let _ = inputs.command.push(command);
+    }
+    Snapshot {
+        tick: 4 * step,
+        time: u64::from(step) * 4000,
+        increments: Increments {
+            rotation: Quaternion::IDENTITY,
+            velocity: Vector3::new(0.0, 0.0, -GRAVITY * INTERVAL),
+            thrust: Parameters::default().vehicle.mass * GRAVITY * INTERVAL,
+            duration: INTERVAL,
+            ticks: 4,
+            ..Increments::default()
+        },
+        stopped: None,
+        inputs,
+    }
+}
+
+/// A step before the vehicle is in the air, which is not counted.
+#[inline(never)]
+fn on_ground(outer: &mut Outer, snapshot: &Snapshot, items: &[MissionItem]) -> OuterResult {
+    outer.step(snapshot, items)
+}
+
+#[inline(never)]
+fn outer_step(outer: &mut Outer, snapshot: &Snapshot, items: &[MissionItem]) -> OuterResult {
+    outer.step(snapshot, items)
+}
