@@ -314,7 +314,8 @@ fn sensors_that_fail() {
     println!("{:20} {:>10} {:>10}  worst error of 20 flights", "fault", "tilt, deg", "heading");
     let names: Vec<String> = SensorFault::all().into_iter().map(|f| f.name).collect();
     let mut failed = vec![];
-    for name in names.iter().filter(|name| survivable(name)) {
+    let only = std::env::var("FAULTS").unwrap_or_default();
+    for name in names.iter().filter(|name| survivable(name)).filter(|n| only.is_empty() || only.split(',').any(|o| n.starts_with(o))) {
         let flown: Vec<(f64, f64, Option<String>)> = (1..=20u64)
             .into_par_iter()
             .map(|seed| {
@@ -333,7 +334,7 @@ fn sensors_that_fail() {
             .collect();
         let tilt = flown.iter().map(|f| f.0).fold(0.0, f64::max);
         let heading = flown.iter().map(|f| f.1).fold(0.0, f64::max);
-        println!("{name:20} {tilt:10.2} {heading:10.2}");
+        println!("{name:20} {tilt:10.2} {heading:10.2} {}", if only.is_empty() { String::new() } else { flown.iter().enumerate().map(|(i,f)| format!("{}:{:.0}/{:.0}", i+1, f.0, f.1)).collect::<Vec<_>>().join(" ") });
         let crash = flown.into_iter().find_map(|f| f.2);
         if tilt >= 5.0 || heading >= 5.0 || crash.is_some() {
             failed.push(format!("{name}: tilt {tilt:.2}, heading {heading:.2}, {crash:?}"));

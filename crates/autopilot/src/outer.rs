@@ -5,7 +5,8 @@
 
 use heapless::Vec;
 use windhover_control::TrajectorySetpoint;
-use windhover_control::observer::DisturbanceObserver;
+use windhover_control::VehicleParameters;
+use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::{AttitudeSetpoint, PositionController, PositionEstimate};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{GRAVITY, Quaternion, Vector3};
@@ -66,6 +67,8 @@ pub struct OuterReport {
     pub leg_end: Option<Vector3>,
     /// The disturbance as observed, NED, m/s².
     pub disturbance: Vector3,
+    /// Acceleration that the rotors give over what the parameters say.
+    pub thrust_scale: f32,
     /// What happened in the mission.
     pub events: MissionEvents,
     /// Commands and writes that were refused.
@@ -130,6 +133,7 @@ pub struct Outer {
     attitude: Option<(AttitudeSetpoint, u32)>,
     estimation: Estimation,
     observer: DisturbanceObserver,
+    thrust_scale: ThrustScale,
     position: PositionController,
     time: Option<u64>,
     inner_changed: bool,
@@ -150,6 +154,7 @@ impl Outer {
             attitude: None,
             estimation: Estimation::new(config),
             observer: DisturbanceObserver::default(),
+            thrust_scale: ThrustScale::default(),
             position: PositionController::default(),
             time: None,
             inner_changed: false,
@@ -218,6 +223,7 @@ impl Outer {
                 trajectory,
                 leg_end: self.mission.as_ref().map(MissionExecutor::leg_end),
                 disturbance: self.observer.disturbance(&self.parameters.observer),
+                thrust_scale: self.thrust_scale.scale(),
                 events,
                 refusals,
             },
@@ -324,7 +330,10 @@ impl Outer {
         let own = increments.velocity * per_second - before.accel_bias;
         let force = before.attitude.rotate(own);
         let down = (before.attitude.down_axis() + self.estimate().attitude.down_axis()) * 0.5;
-        let thrust = down * (-increments.thrust * per_second / self.parameters.vehicle.mass);
+        let thrust = increments.thrust * per_second / self.parameters.vehicle.mass;
+        self.thrust_scale
+            .step(&self.parameters.observer, -own.z, thrust, increments.duration);
+        let thrust = down * (-thrust * self.thrust_scale.scale());
         self.observer
             .step(&self.parameters.observer, force, thrust, increments.duration);
     }
@@ -489,6 +498,11 @@ impl Outer {
             attitude: believed.attitude,
             disturbance: self.observer.disturbance(&self.parameters.observer),
         };
+        // As heavy as the thrust feels it to be.
+        let vehicle = VehicleParameters {
+            mass: self.parameters.vehicle.mass / self.thrust_scale.scale(),
+            ..self.parameters.vehicle
+        };
         let shortfall = snapshot.increments.thrust_shortfall;
         let mean_shortfall = if snapshot.increments.duration > 0.0 {
             shortfall / snapshot.increments.duration
@@ -497,7 +511,7 @@ impl Outer {
         };
         let setpoint = self.position.step(
             &self.parameters.position,
-            &self.parameters.vehicle,
+            &vehicle,
             &trajectory,
             &estimate,
             if self.landed { 0.0 } else { mean_shortfall },

@@ -1,9 +1,9 @@
 //! The sensing border: raw counts become SI units here, once, for inner and outer loop alike.
 //!
-//! In this order: counts × scale → board rotation → calibration (offset, scale). Drivers and
-//! models do none of it.
+//! In this order: counts × scale → board rotation → calibration (offset, scale) → level. Drivers
+//! and models do none of it.
 
-use windhover_math::{GRAVITY, Vector3};
+use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
 use windhover_parameters::parameters;
 
 use crate::io::ImuCounts;
@@ -63,7 +63,7 @@ pub struct Inertial {
 }
 
 /// The conversion of one sensor with everything that is constant multiplied out:
-/// value = scale·(rotation·k·counts − offset) = matrix·counts − shift.
+/// value = level·scale·(rotation·k·counts − offset) = matrix·counts − shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Affine {
     rows: [[f32; 3]; 3],
@@ -71,7 +71,13 @@ struct Affine {
 }
 
 impl Affine {
-    fn new(rotation: &BoardRotation, per_count: f32, offset: [f32; 3], scale: [f32; 3]) -> Self {
+    fn new(
+        rotation: &BoardRotation,
+        per_count: f32,
+        offset: [f32; 3],
+        scale: [f32; 3],
+        level: Quaternion,
+    ) -> Self {
         let mut affine = Self {
             rows: [[0.0; 3]; 3],
             shift: [0.0; 3],
@@ -83,7 +89,21 @@ impl Affine {
             *row = turned.map(|entry| f32::from(entry) * per_count * scale);
             *shift = offset * scale;
         }
-        affine
+        affine.turned(level)
+    }
+
+    /// The same in axes that are turned by `level`. A board that is level keeps its bits.
+    fn turned(self, level: Quaternion) -> Self {
+        if level == Quaternion::IDENTITY {
+            return self;
+        }
+        let columns = [0, 1, 2].map(|n| level.rotate(Vector3::from(self.rows.map(|row| row[n]))));
+        let [a, b, c] = columns;
+        let shift = level.rotate(Vector3::from(self.shift));
+        Self {
+            rows: [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]],
+            shift: [shift.x, shift.y, shift.z],
+        }
     }
 
     #[inline(always)]
@@ -110,14 +130,26 @@ impl SensingBorder {
     /// For a sensor that sits like this, calibrated like that.
     pub fn new(rotation: &BoardRotation, calibration: &CalibrationParameters) -> Self {
         let c = calibration;
+        let level = Quaternion::from_euler(Euler {
+            roll: c.level_roll,
+            pitch: c.level_pitch,
+            yaw: 0.0,
+        });
         Self {
             accel: Affine::new(
                 rotation,
                 ACCEL_SCALE,
                 [c.accel_x, c.accel_y, c.accel_z],
                 [c.accel_scale_x, c.accel_scale_y, c.accel_scale_z],
+                level,
             ),
-            gyro: Affine::new(rotation, GYRO_SCALE, [c.gyro_x, c.gyro_y, c.gyro_z], [1.0; 3]),
+            gyro: Affine::new(
+                rotation,
+                GYRO_SCALE,
+                [c.gyro_x, c.gyro_y, c.gyro_z],
+                [1.0; 3],
+                level,
+            ),
         }
     }
 
@@ -145,6 +177,34 @@ mod tests {
             SensingBorder::new(&BoardRotation::default(), &CalibrationParameters::default()).convert(&counts);
         assert!((inertial.specific_force.z + GRAVITY).abs() < 1e-5);
         assert!((inertial.rate.x - 10.0f32.to_radians()).abs() < 1e-5);
+    }
+
+    /// A board that lies rolled and pitched in a level vehicle shows gravity straight down once its
+    /// trim is set, and a yaw of the vehicle about the vehicle's own axis.
+    #[test]
+    fn the_level_is_taken_out() {
+        let calibration = CalibrationParameters {
+            level_roll: 0.1,
+            level_pitch: -0.05,
+            ..Default::default()
+        };
+        let trim = Quaternion::from_euler(Euler {
+            roll: 0.1,
+            pitch: -0.05,
+            yaw: 0.0,
+        });
+        // what the board sees: gravity's reaction and a yaw rate, in its own axes
+        let seen = |v: Vector3, per_count: f32| {
+            let board = trim.inverse_rotate(v) / per_count;
+            [board.x, board.y, board.z].map(|x| (x + if x < 0.0 { -0.5 } else { 0.5 }) as i16)
+        };
+        let counts = ImuCounts {
+            accel: seen(Vector3::new(0.0, 0.0, -GRAVITY), ACCEL_SCALE),
+            gyro: seen(Vector3::new(0.0, 0.0, 2.0), GYRO_SCALE),
+        };
+        let inertial = SensingBorder::new(&BoardRotation::default(), &calibration).convert(&counts);
+        assert!((inertial.specific_force - Vector3::new(0.0, 0.0, -GRAVITY)).amax() < 5e-3);
+        assert!((inertial.rate - Vector3::new(0.0, 0.0, 2.0)).amax() < 1e-3);
     }
 
     #[test]

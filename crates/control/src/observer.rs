@@ -19,6 +19,7 @@ parameters! {
     pub struct ObserverParameters {
         share: "OBS_SHARE", "", 0.0..=1.0, 1.0, "Share of the observed disturbance that is taken out";
         time_constant: "OBS_TC", "s", 0.005..=10.0, 0.06, "Time constant of each of the observer's two low-passes";
+        scale_time: "OBS_SCALE_TC", "s", 0.0..=100.0, 4.0, "Time constant of the observed thrust scale; 0 for none: the thrust is what the parameters say";
         limit: "OBS_MAX", "m/s^2", 0.0..=30.0, 12.0, "Largest disturbance that is believed";
     }
 }
@@ -28,6 +29,7 @@ impl ObserverParameters {
     pub fn paper() -> Self {
         Self {
             share: 0.0,
+            scale_time: 0.0,
             ..Self::default()
         }
     }
@@ -67,6 +69,42 @@ impl DisturbanceObserver {
     }
 }
 
+/// How much more or less acceleration the rotors give than the parameters say: a payload, a worn
+/// battery, thin air. It is 1 for a vehicle that is as described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThrustScale {
+    scale: f32,
+}
+
+impl Default for ThrustScale {
+    fn default() -> Self {
+        Self { scale: 1.0 }
+    }
+}
+
+/// Bounds of what is believed of the scale.
+const SCALES: (f32, f32) = (0.4, 1.6);
+
+/// Below so much thrust per mass, m/s², nothing is learned of its scale.
+const LEAST_THRUST: f32 = 3.0;
+
+impl ThrustScale {
+    /// Takes in the mean specific force along the thrust over the last `dt` seconds, and the thrust
+    /// per mass that should have made it, both m/s².
+    pub fn step(&mut self, parameters: &ObserverParameters, measured: f32, thrust: f32, dt: f32) {
+        if parameters.scale_time > 0.0 && thrust > LEAST_THRUST {
+            let (least, most) = SCALES;
+            let seen = windhover_math::max(least, windhover_math::min(most, measured / thrust));
+            self.scale += (seen - self.scale) * low_pass_share(parameters.scale_time, dt);
+        }
+    }
+
+    /// The scale.
+    pub fn scale(&self) -> f32 {
+        self.scale
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,6 +121,29 @@ mod tests {
         // after two time constants: 1 − (1 + 2) e⁻²
         let exact = wind * (1.0 - 3.0 * libm::exp(-2.0)) as f32;
         assert!(scalar::norm(observer.disturbance(&parameters) - exact) < 0.01);
+    }
+
+    #[test]
+    fn a_payload_shows_in_the_thrust_scale() {
+        let parameters = ObserverParameters::default();
+        let mut thrust = ThrustScale::default();
+        for _ in 0..10_000 {
+            // half as heavy again as described, and hovering
+            thrust.step(&parameters, 9.8, 9.8 * 1.5, 0.004);
+        }
+        assert!((thrust.scale() - 1.0 / 1.5).abs() < 1e-3);
+        for _ in 0..10_000 {
+            thrust.step(&parameters, 9.8, 0.1, 0.004);
+        }
+        assert!((thrust.scale() - 1.0 / 1.5).abs() < 1e-3, "nothing to learn from");
+        for _ in 0..10_000 {
+            thrust.step(&parameters, 300.0, 5.0, 0.004);
+        }
+        assert!(thrust.scale() <= 1.6);
+        let paper = ObserverParameters::paper();
+        let mut thrust = ThrustScale::default();
+        thrust.step(&paper, 5.0, 10.0, 1.0);
+        assert_eq!(thrust.scale(), 1.0);
     }
 
     #[test]

@@ -82,7 +82,8 @@ fn report(lanes: &mut Lanes, report: &OuterReport) {
     let handover = &report.handover;
     lanes.vector(&handover.position, handover.heading.to_bits());
     lanes.vector(&handover.velocity, report.sensors.rejected);
-    lanes.vector(&report.disturbance, u32::from(report.leg_end.is_some()));
+    let more = report.thrust_scale.to_bits() ^ u32::from(report.leg_end.is_some());
+    lanes.vector(&report.disturbance, more);
     lanes.vector(
         &report.leg_end.unwrap_or_default(),
         u32::from(report.trajectory.is_some()),

@@ -13,6 +13,8 @@ const USUAL: f32 = 10.0;
 const LATELY: f32 = 0.2;
 /// So far apart, in standard deviations of a sample, they are when the gyro has begun to drift.
 const APART: f32 = 1.05;
+/// A gyro's drift of 3 °/s takes longer from half of that to all of it, s.
+const LEAST_RISE: f32 = 0.3;
 /// For so long the change is taken in as it is, s.
 const AGILE: f32 = 4.0;
 /// Time over which the compass errs alike then, s.
@@ -27,6 +29,8 @@ pub(super) struct HeadingWatch {
     usual: f32,
     /// What it says differently lately, beside that, rad.
     lately: f32,
+    /// For how long that has been more than half of too much, s.
+    rising: f32,
     /// How long changes are still taken in, s.
     agile: f32,
 }
@@ -69,11 +73,19 @@ impl HeadingWatch {
             return false;
         }
         self.usual += differs * share(USUAL);
-        let drifts = self.lately * self.lately > APART * APART * variance;
-        if drifts {
-            self.agile = AGILE;
+        let apart = self.lately * self.lately / (APART * APART * variance);
+        self.rising = if apart > 0.25 { self.rising + dt } else { 0.0 };
+        if !(apart > 1.0) {
+            return false;
         }
-        drifts
+        if self.rising < LEAST_RISE {
+            // No gyro drifts so fast: it is the compass that has stepped.
+            self.usual = wrap_pi(self.usual + self.lately);
+            self.lately = 0.0;
+            return false;
+        }
+        self.agile = AGILE;
+        true
     }
 }
 
@@ -116,6 +128,17 @@ mod tests {
             trust.repeats < 30.0 && (trust.offset - 0.03).abs() < 0.01,
             "{trust:?}"
         );
+    }
+
+    #[test]
+    fn a_compass_that_steps_is_no_drift() {
+        let mut watch = HeadingWatch::default();
+        for n in 0..500 {
+            watch.look(noise(n), VARIANCE, DT);
+        }
+        for step in [0.1, -0.1, 0.3] {
+            assert!((0..500).all(|n| !watch.look(step + noise(n), VARIANCE, DT)), "{step}");
+        }
     }
 
     #[test]

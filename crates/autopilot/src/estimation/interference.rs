@@ -10,6 +10,10 @@ use windhover_math::{Quaternion, Vector3, scalar, sqrt};
 
 /// Time in the air that the fit takes, s.
 const LEARNING: f32 = 8.0;
+/// The Earth's field keeps its strength to this share.
+const STRENGTH: f32 = 0.12;
+/// What the motors add changes by less from one sample to the next, µT.
+const SUDDEN: f32 = 8.0;
 /// From this load on the vehicle counts as carried by its rotors.
 const CARRIED: f32 = 0.5;
 /// An interference beyond this is a fault of the compass, µT: as much as the Earth's field.
@@ -64,13 +68,22 @@ impl Interference {
             return Some(field);
         };
         if self.is_known() {
-            return Some(field - self.per_load * load);
+            let own = field - self.per_load * load;
+            let off = scalar::norm(own) - scalar::norm(earth);
+            return (off.abs() < STRENGTH * scalar::norm(earth)).then_some(own);
         }
         if load < CARRIED {
             // On the ground the motors idle: what they add there is little.
             return (self.learned_for == 0.0).then_some(field);
         }
         let more = field - attitude.inverse_rotate(earth);
+        if self.squares > 0.0 && scalar::norm(more - self.products * (load / self.squares)) > SUDDEN {
+            // It has changed all at once: what was learned so far was something else.
+            *self = Self {
+                earth: self.earth,
+                ..Self::default()
+            };
+        }
         self.squares += load * load;
         self.products += more * load;
         self.learned_for += dt;
@@ -133,6 +146,29 @@ mod tests {
         );
         let (corrected, worst) = fly(&mut interference, 10.0);
         assert!(corrected > 400 && worst < 0.02, "{corrected} {worst}");
+        assert!(scalar::norm(interference.per_load() - ADDED) < 0.02);
+    }
+
+    #[test]
+    fn a_field_of_another_strength_is_not_the_earths() {
+        let mut interference = Interference::default();
+        interference.refer(attitude(0.0), attitude(0.0).inverse_rotate(EARTH));
+        fly(&mut interference, 10.0);
+        let wrong = attitude(0.0).inverse_rotate(EARTH * 1.5) + ADDED;
+        assert_eq!(interference.correct(wrong, attitude(0.0), 1.0, 0.02), None);
+    }
+
+    #[test]
+    fn a_fault_while_learning_is_not_learned() {
+        let mut interference = Interference::default();
+        interference.refer(attitude(0.0), attitude(0.0).inverse_rotate(EARTH));
+        fly(&mut interference, 3.0);
+        let q = attitude(0.0);
+        let iron = Vector3::new(20.0, 20.0, 20.0);
+        for _ in 0..100 {
+            interference.correct(q.inverse_rotate(EARTH) + ADDED + iron, q, 1.0, 0.02);
+        }
+        fly(&mut interference, 10.0);
         assert!(scalar::norm(interference.per_load() - ADDED) < 0.02);
     }
 

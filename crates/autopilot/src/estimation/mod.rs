@@ -6,9 +6,10 @@
 //! inertial increments carry it on; when it falls silent the filter begins where it left off.
 //!
 //! - [`handover`]: steps of the estimate, kept away from the controllers.
-//! - `heading_watch`: how far a compass is trusted. `sensors`: what the filter is given.
+//! - `heading_watch`: how far a compass is trusted. `force_watch`: whether the accelerometer steps. `sensors`: what the filter is given.
 //! - [`interference`]: what the motors' current does to the compass.
 
+mod force_watch;
 pub mod handover;
 mod heading_watch;
 pub mod interference;
@@ -29,6 +30,7 @@ use crate::inner::Snapshot;
 use crate::io::Increments;
 use crate::parameters::Parameters;
 use crate::queue::ExternalEstimate;
+use crate::sensing::CalibrationParameters;
 
 use handover::Handover;
 use sensors::{Aiding, Mean};
@@ -200,6 +202,8 @@ pub struct Settings<'a> {
     pub estimation: &'a EstimationParameters,
     /// The inertial sensors' noise.
     pub noise: &'a NoiseParameters,
+    /// Offsets and scales of the sensors.
+    pub calibration: &'a CalibrationParameters,
     /// Weight of the vehicle, N.
     pub weight: f32,
 }
@@ -209,6 +213,7 @@ impl<'a> Settings<'a> {
         Self {
             estimation: &parameters.estimation,
             noise: &parameters.noise,
+            calibration: &parameters.calibration,
             weight: parameters.vehicle.mass * GRAVITY,
         }
     }

@@ -5,12 +5,14 @@ use windhover_estimator::gate::Report;
 use windhover_estimator::measurement::{BarometricHeight, MagneticField};
 use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Sensor, Verdict};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
-use windhover_math::{Vector3, min, saturate, sqrt};
+use windhover_math::{GRAVITY, Vector3, min, saturate, sqrt};
 
+use super::force_watch::ForceWatch;
 use super::heading_watch::HeadingWatch;
 use super::interference::{Interference, load};
 use super::{OuterConfig, Settings, is_still};
 use crate::aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample, PressureLevel};
+use crate::calibration::compass::CompassCorrection;
 use crate::inner::Snapshot;
 
 /// How still a vehicle stands, m/s, and its gyro's mean over an interval, rad/s.
@@ -29,21 +31,37 @@ const TILT_ERROR: f32 = 0.005;
 /// What calibration has left of the compass, that flying does not take away, rad.
 const HEADING_ERROR: f32 = 0.009;
 
-/// When the inertial sensors are doubted: how far tilt (rad), the gyro's bias (rad/s) and the
-/// accelerometer's (m/s²) may then be off.
-const DOUBT_TILT: f32 = 0.02;
+/// When the velocity goes another way and the specific force has stepped: how far the filter may be
+/// off then.
+const WRONG_FORCE: Doubt = Doubt {
+    tilt: 0.005,
+    heading: 0.0,
+    gyro_bias: [0.005, 0.005, 0.0],
+    accel_bias: 0.5,
+};
+/// When it has not.
+const WRONG_RATE: Doubt = Doubt {
+    tilt: 0.02,
+    heading: 0.0,
+    gyro_bias: [DOUBT_GYRO, DOUBT_GYRO, 0.0],
+    accel_bias: 0.1,
+};
+/// An episode of doubt lasts for so many fixes after its last lean.
+const EPISODE: u8 = 50;
+/// How far the gyro's bias may be off, rad/s.
 const DOUBT_GYRO: f32 = 0.02;
-const DOUBT_ACCEL: f32 = 0.15;
 /// And the heading, rad.
 const DOUBT_HEADING: f32 = 0.05;
-/// So often in a row; then one more in 100 fixes. A velocity that still goes another way is wrong
-/// itself: so many fixes are then not believed.
-const DISTRUST: u8 = 100;
-const DOUBTS: f32 = 3.0;
-const DOUBTS_PER_FIX: f32 = 0.01;
+/// So often in a row; then one more in 50 fixes. A velocity that goes another way for longer is wrong
+/// itself.
+const DOUBTS: f32 = 4.0;
+const DOUBTS_PER_FIX: f32 = 0.02;
+
+/// A compass that has shown the same so often in a row hangs: its noise is one count.
+const FROZEN_FIELD: u8 = 10;
 
 /// A receiver that has said the same so often in a row hangs.
-const HANGS: u8 = 2;
+const HANGS: u8 = 1;
 
 /// A receiver that declares less than this knows the height better than the barometer does, m.
 const PRECISE_HEIGHT: f32 = 0.2;
@@ -79,16 +97,21 @@ pub(super) struct Aiding {
     interference: Interference,
     /// When the last compass sample came, µs.
     last_field: u64,
+    /// What it held, and how often in a row.
+    last_counts: [i16; 3],
+    same_field: u8,
     /// The receiver's height less the estimated one (down, m), while the barometer leads.
     height_offset: Option<f32>,
     /// Variance of the receiver's slow errors, which no filter can see, of each axis, m².
     receiver: f32,
     leaning: [Leaning; 3],
+    force: ForceWatch,
+    /// What is doubted, and for how many fixes more it is that.
+    suspect: Doubt,
+    episode: u8,
     heading: HeadingWatch,
     /// How often the inertial sensors may still be doubted.
     patience: f32,
-    /// How many fixes more are not believed.
-    distrust: u8,
     /// The receiver's last message, and how often in a row it has said the same.
     last_fix: GnssSample,
     same: u8,
@@ -103,12 +126,16 @@ impl Aiding {
             level: None,
             interference: Interference::default(),
             last_field: 0,
+            last_counts: [0; 3],
+            same_field: 0,
             height_offset: None,
             receiver: 0.0,
             leaning: [Leaning::default(); 3],
+            force: ForceWatch::default(),
+            suspect: WRONG_RATE,
+            episode: 0,
             heading: HeadingWatch::default(),
             patience: DOUBTS,
-            distrust: 0,
             last_fix: GnssSample::default(),
             same: 0,
         }
@@ -160,7 +187,7 @@ impl Aiding {
     pub(super) fn field(&self, sample: &CompassSample, settings: &Settings<'_>) -> MagneticField {
         MagneticField {
             time: sample.time,
-            field: self.fitting.field(sample.counts),
+            field: CompassCorrection::new(settings.calibration).apply(self.fitting.field(sample.counts)),
             deviation: settings.estimation.compass_noise,
             repeats: 1.0,
             declination: self.declination,
@@ -170,6 +197,7 @@ impl Aiding {
     /// Hands the filter what has come. What it makes of it is in its monitors.
     pub(super) fn take_in(&mut self, filter: &mut Filter, settings: &Settings<'_>, snapshot: &Snapshot) {
         let inputs = &snapshot.inputs;
+        self.watch_force(settings, snapshot);
         for sample in &inputs.barometer {
             self.barometer(filter, settings, sample, snapshot.time);
         }
@@ -185,6 +213,17 @@ impl Aiding {
         for sample in &inputs.gnss {
             let blind = snapshot.increments.blind > 0;
             self.gnss(filter, settings, sample, snapshot.time, blind);
+        }
+    }
+
+    /// What the thrust does not explain of the specific force.
+    fn watch_force(&mut self, settings: &Settings<'_>, snapshot: &Snapshot) {
+        let increments = &snapshot.increments;
+        if increments.duration > 0.0 {
+            let per_second = 1.0 / increments.duration;
+            let thrust = increments.thrust * per_second * (GRAVITY / settings.weight);
+            let unexplained = increments.velocity * per_second + Vector3::new(0.0, 0.0, thrust);
+            self.force.look(unexplained, increments.duration);
         }
     }
 
@@ -224,6 +263,15 @@ impl Aiding {
     ) {
         let elapsed = now.saturating_sub(self.last_field).min(1_000_000) as u32 as f32 * 1e-6;
         self.last_field = now;
+        self.same_field = if sample.counts == self.last_counts {
+            self.same_field.saturating_add(1)
+        } else {
+            0
+        };
+        self.last_counts = sample.counts;
+        if self.same_field >= FROZEN_FIELD {
+            return;
+        }
         let measured = self.field(sample, settings);
         let attitude = filter.state().attitude;
         let Some(field) = self.interference.correct(measured.field, attitude, load, elapsed) else {
@@ -241,6 +289,7 @@ impl Aiding {
         });
         if let Ok(report) = &outcome
             && let [test] = &report.tests
+            && report.verdict == Verdict::Accepted
             && self
                 .heading
                 .look(test.innovation + trust.offset, test.variance, elapsed)
@@ -262,10 +311,6 @@ impl Aiding {
         blind: bool,
     ) {
         if !sample.is_fix() || self.hangs(sample) {
-            return;
-        }
-        if self.distrust > 0 {
-            self.distrust -= 1;
             return;
         }
         self.find_origin(sample, filter.state().position.z);
@@ -309,24 +354,23 @@ impl Aiding {
     /// A velocity that goes another way than the inertial sensors say: they are wrong by more than
     /// the filter thinks.
     fn doubt(&mut self, filter: &mut Filter, outcome: &Result<Report<3>, Refusal>) {
-        // A velocity that fails the gate at once is the receiver's doing.
         let Ok(report) = outcome else { return };
-        if report.verdict == Verdict::Rejected {
-            return;
-        }
         let leans = report.tests.iter().zip(&mut self.leaning);
         let leans = leans.fold(false, |any, (test, leaning)| leaning.look(test) || any);
-        if leans && self.patience < 1.0 {
-            self.distrust = DISTRUST;
-        } else if leans {
+        if leans && self.patience >= 1.0 {
             self.patience -= 1.0;
-            filter.doubt(&Doubt {
-                tilt: DOUBT_TILT,
-                heading: 0.0,
-                gyro_bias: [DOUBT_GYRO, DOUBT_GYRO, 0.0],
-                accel_bias: DOUBT_ACCEL,
-            });
+            // What began is judged by its beginning: later the vehicle flies off and its drag changes.
+            if self.episode == 0 {
+                self.suspect = if self.force.has_stepped() {
+                    WRONG_FORCE
+                } else {
+                    WRONG_RATE
+                };
+            }
+            self.episode = EPISODE;
+            filter.doubt(&self.suspect);
         }
+        self.episode = self.episode.saturating_sub(1);
         self.patience = min(DOUBTS, self.patience + DOUBTS_PER_FIX);
     }
 

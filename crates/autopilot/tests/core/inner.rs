@@ -100,6 +100,7 @@ fn result(tick: u32, motors: MotorState) -> OuterResult {
             trajectory: None,
             leg_end: None,
             disturbance: Vector3::zeros(),
+            thrust_scale: 1.0,
             events: Default::default(),
             refusals: Default::default(),
         },

@@ -111,6 +111,7 @@ impl Disturbance {
     pub fn new(result: &OuterResult) -> Self {
         Self {
             acceleration: result.report.disturbance,
+            thrust_scale: result.report.thrust_scale,
         }
     }
 }

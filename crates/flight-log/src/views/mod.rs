@@ -207,6 +207,8 @@ views! {
     Disturbance = 44, "disturbance" {
         /// NED, m/s².
         acceleration: Vector3,
+        /// Acceleration that the rotors give over what the parameters say.
+        thrust_scale: f32,
     }
     /// Sums since the start of the log; once a second.
     TickCounts = 45, "tick_counts" {
