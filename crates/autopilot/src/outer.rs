@@ -422,7 +422,7 @@ impl Outer {
             source,
             frame,
             parameters: &self.parameters.mission,
-            estimate: mission_estimate(estimate, self.landed),
+            estimate: mission_estimate(&self.estimation, self.landed),
         };
         let mission = MissionExecutor::start(stored, &around, heading);
         self.mission = Some(mission.ok_or(Blocker::NoMission)?);
@@ -449,7 +449,7 @@ impl Outer {
                     source,
                     frame: self.estimation.frame()?,
                     parameters: &self.parameters.mission,
-                    estimate: mission_estimate(self.estimation.estimate(), self.landed),
+                    estimate: mission_estimate(&self.estimation, self.landed),
                 };
                 let (setpoint, happened) = self.mission.as_mut()?.step(&around, dt);
                 *events = happened;
@@ -481,10 +481,11 @@ impl Outer {
             };
         };
         let believed = self.estimation.estimate();
-        let trajectory = self.estimation.handover().shifted(trajectory);
+        let handover = self.estimation.handover();
+        let trajectory = handover.shifted(trajectory);
         let estimate = PositionEstimate {
             position: believed.position,
-            velocity: believed.velocity,
+            velocity: believed.velocity - handover.velocity,
             attitude: believed.attitude,
             disturbance: self.observer.disturbance(&self.parameters.observer),
         };
@@ -513,9 +514,11 @@ impl Outer {
     }
 }
 
-fn mission_estimate(estimate: &Estimate, landed: bool) -> MissionEstimate {
+fn mission_estimate(estimation: &Estimation, landed: bool) -> MissionEstimate {
+    let estimate = estimation.estimate();
     MissionEstimate {
         position: estimate.position,
+        shift: estimation.handover().position,
         velocity: estimate.velocity,
         landed,
     }

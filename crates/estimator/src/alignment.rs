@@ -89,7 +89,7 @@ pub struct Alignment {
 }
 
 /// Standard deviation of the accelerometer's bias after calibration, m/s²: 5 mg.
-const ACCEL_BIAS: f32 = 0.05;
+const ACCEL_BIAS: f32 = 0.08;
 /// Best that a mean rate is believed, rad/s: the earth turns by 7.3e-5.
 const LEAST_RATE_DEVIATION: f32 = 1e-4;
 /// Best that a mean force is believed, m/s².

@@ -52,6 +52,11 @@ fn main() {
                             t.per_kelvin = 0.0;
                         }
                     }
+                    "nobias" => e.inertial.accel.bias = 0.0,
+                    "nomis" => e.inertial.accel.misalignment = 0.0,
+                    "noscale" => e.inertial.accel.scale = 0.0,
+                    "nokelvin" => { e.inertial.accel.per_kelvin = 0.0; e.inertial.gyro.per_kelvin = 0.0; }
+                    "nogbias" => { e.inertial.gyro.bias = 0.0; }
                     "noaa" => {
                         for t in [&mut e.inertial.accel, &mut e.inertial.gyro] {
                             t.bandwidth = None;

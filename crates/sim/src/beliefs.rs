@@ -18,7 +18,7 @@ pub struct BeliefErrors {
     pub gnss: ErrorSum,
     /// Of the estimated position, m.
     pub estimate: ErrorSum,
-    /// Angle between the estimated vertical and the true one, rad.
+    /// Of the estimated vertical about north and about east, each for itself, rad.
     pub tilt: ScalarErrorSum,
     /// Of the estimated heading, rad.
     pub heading: ScalarErrorSum,
@@ -93,7 +93,8 @@ impl BeliefErrors {
         let q = &estimate.attitude;
         let believed = Quaternion::new(f64::from(q.w), f64::from(q.x), f64::from(q.y), f64::from(q.z));
         let turn = (believed * truth.attitude.conjugate()).shortest();
-        self.tilt.add(2.0 * libm::hypot(turn.x, turn.y));
+        self.tilt.add(2.0 * turn.x);
+        self.tilt.add(2.0 * turn.y);
         self.heading.add(2.0 * turn.z);
     }
 }

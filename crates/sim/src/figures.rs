@@ -78,7 +78,8 @@ pub struct Figures {
     pub gnss_rmse_m: Option<Axes>,
     /// Root mean square of estimated less true position, m; nothing in flights on the truth.
     pub estimate_rmse_m: Option<Axes>,
-    /// Root mean square of the estimated vertical's angle from the true one, degrees.
+    /// Root mean square of the errors of roll and pitch (of the vertical about two level axes),
+    /// degrees.
     pub attitude_rmse_deg: Option<f64>,
     /// Root mean square of estimated less true heading, degrees.
     pub heading_rmse_deg: Option<f64>,

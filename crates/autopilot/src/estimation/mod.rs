@@ -315,17 +315,15 @@ impl Estimation {
                 filter.trust_force(settings.noise, snapshot.increments.blind == 0);
                 // An interval that is refused changes nothing: the next one carries on.
                 let _ = filter.predict(&measured, snapshot.time);
-                let slow = self.steps == 0;
-                self.steps = if self.steps < SLOW - 1 { self.steps + 1 } else { 0 };
-                let mut step = self.aiding.take_in(filter, &settings, snapshot);
-                if slow {
-                    step = step.or(self.aiding.rest(filter, &measured, landed));
+                let reckoned = *filter.state();
+                self.aiding.take_in(filter, &settings, snapshot);
+                if self.steps == 0 {
+                    self.aiding.rest(filter, &measured, landed);
                     self.sensors = SensorReport::new(filter);
                 }
-                if let Some(step) = step
-                    && !landed
-                {
-                    self.handover.shift(&step);
+                self.steps = if self.steps < SLOW - 1 { self.steps + 1 } else { 0 };
+                if !landed {
+                    self.handover.take_up(&reckoned, filter.state());
                 }
                 self.handover.decay(measured.duration);
                 self.estimate = believed(filter, settings.estimation, &self.aiding);

@@ -3,7 +3,7 @@
 use windhover_estimator::doubt::{Doubt, Leaning};
 use windhover_estimator::gate::Report;
 use windhover_estimator::measurement::{BarometricHeight, MagneticField};
-use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Reset, Sensor, Verdict};
+use windhover_estimator::{Accuracy, Filter, Health, InertialIncrements, Refusal, Sensor, Verdict};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{Vector3, min, saturate, sqrt};
 
@@ -18,6 +18,16 @@ const REST: (f32, f32) = (0.05, 0.01);
 /// How far the specific force is from gravity's in flight, m/s²: 2 m/s², and alike for seconds, so
 /// that 25 in a row say no more than one. It counts only while no velocity is measured.
 const FLIGHT_FORCE: f32 = 10.0;
+
+/// Of a receiver's declared variance, the share that changes over minutes.
+const SLOW_SHARE: f32 = 0.75;
+/// What the rotors shake the accelerometer by, as a velocity of each axis that is none, m/s.
+const SHAKING: f32 = 0.012;
+/// How well accelerometer and gyro are aligned with each other and the vehicle, each axis, rad: no
+/// flight at a constant heading tells it from a tilt.
+const TILT_ERROR: f32 = 0.005;
+/// What calibration has left of the compass, that flying does not take away, rad.
+const HEADING_ERROR: f32 = 0.009;
 
 /// When the inertial sensors are doubted: how far tilt (rad), the gyro's bias (rad/s) and the
 /// accelerometer's (m/s²) may then be off.
@@ -73,8 +83,6 @@ pub(super) struct Aiding {
     height_offset: Option<f32>,
     /// Variance of the receiver's slow errors, which no filter can see, of each axis, m².
     receiver: f32,
-    /// The last step that the estimate made.
-    step: Option<Reset>,
     leaning: [Leaning; 3],
     heading: HeadingWatch,
     /// How often the inertial sensors may still be doubted.
@@ -97,7 +105,6 @@ impl Aiding {
             last_field: 0,
             height_offset: None,
             receiver: 0.0,
-            step: None,
             leaning: [Leaning::default(); 3],
             heading: HeadingWatch::default(),
             patience: DOUBTS,
@@ -125,10 +132,15 @@ impl Aiding {
         self.frame.is_some() && self.receiver > 0.0
     }
 
-    /// The filter's accuracy with what it cannot know of: the receiver's slow errors.
+    /// The filter's accuracy with what it cannot know of: the receiver's slow errors, and what
+    /// calibration has left of the sensors' directions.
     pub(super) fn declared(&self, accuracy: Accuracy) -> Accuracy {
+        let with = |known: f32, variance: f32| sqrt(known * known + variance);
         Accuracy {
-            horizontal: sqrt(accuracy.horizontal * accuracy.horizontal + 2.0 * self.receiver),
+            horizontal: with(accuracy.horizontal, 2.0 * SLOW_SHARE * self.receiver),
+            velocity: with(accuracy.velocity, 3.0 * SHAKING * SHAKING),
+            tilt: with(accuracy.tilt, 2.0 * TILT_ERROR * TILT_ERROR),
+            heading: with(accuracy.heading, HEADING_ERROR * HEADING_ERROR),
             ..accuracy
         }
     }
@@ -155,14 +167,8 @@ impl Aiding {
         }
     }
 
-    /// Hands the filter what has come; the step that this made in the estimate, where it did.
-    pub(super) fn take_in(
-        &mut self,
-        filter: &mut Filter,
-        settings: &Settings<'_>,
-        snapshot: &Snapshot,
-    ) -> Option<Reset> {
-        self.step = None;
+    /// Hands the filter what has come. What it makes of it is in its monitors.
+    pub(super) fn take_in(&mut self, filter: &mut Filter, settings: &Settings<'_>, snapshot: &Snapshot) {
         let inputs = &snapshot.inputs;
         for sample in &inputs.barometer {
             self.barometer(filter, settings, sample, snapshot.time);
@@ -179,21 +185,6 @@ impl Aiding {
         for sample in &inputs.gnss {
             let blind = snapshot.increments.blind > 0;
             self.gnss(filter, settings, sample, snapshot.time, blind);
-        }
-        self.step.take()
-    }
-
-    /// Keeps the step of a measurement that made one.
-    fn note<const N: usize>(&mut self, outcome: Result<Report<N>, Refusal>) {
-        if let Ok(Report { step: Some(step), .. }) = outcome {
-            self.step = Some(match self.step {
-                None => step,
-                Some(before) => Reset {
-                    position: before.position + step.position,
-                    velocity: before.velocity + step.velocity,
-                    attitude: step.attitude * before.attitude,
-                },
-            });
         }
     }
 
@@ -220,8 +211,7 @@ impl Aiding {
                 settings.estimation.barometer_noise
             },
         };
-        let outcome = filter.fuse_barometer(&measured);
-        self.note(outcome);
+        let _ = filter.fuse_barometer(&measured);
     }
 
     fn compass(
@@ -261,7 +251,6 @@ impl Aiding {
                 ..Doubt::default()
             });
         }
-        self.note(outcome);
     }
 
     fn gnss(
@@ -290,17 +279,14 @@ impl Aiding {
         if outcome.is_ok() {
             self.receiver = position.horizontal_deviation * position.horizontal_deviation;
         }
-        self.note(outcome);
         let outcome = filter.fuse_gnss_velocity(&sample.velocity(time));
         if !blind {
             self.doubt(filter, &outcome);
         }
-        self.note(outcome);
 
         let difference = position.position.z - filter.state().position.z;
         if position.vertical_deviation < PRECISE_HEIGHT {
-            let outcome = filter.fuse_gnss_height(&position);
-            self.note(outcome);
+            let _ = filter.fuse_gnss_height(&position);
         } else if matches!(filter.health(Sensor::Barometer), Health::Good { .. }) {
             // The barometer leads: what the receiver says differently is followed slowly, so that
             // it can take over without a step.
@@ -308,8 +294,7 @@ impl Aiding {
             *offset += (difference - *offset) * (0.1 / HEIGHT_FOLLOWING);
         } else {
             position.position.z -= *self.height_offset.get_or_insert(difference);
-            let outcome = filter.fuse_gnss_height(&position);
-            self.note(outcome);
+            let _ = filter.fuse_gnss_height(&position);
         }
     }
 
@@ -346,19 +331,13 @@ impl Aiding {
     }
 
     /// On the ground: no velocity, no rate. In flight without a measured velocity: the specific
-    /// force is gravity's on the average. The step that this made in the estimate, where it did.
-    pub(super) fn rest(
-        &mut self,
-        filter: &mut Filter,
-        measured: &InertialIncrements,
-        landed: bool,
-    ) -> Option<Reset> {
+    /// force is gravity's on the average.
+    pub(super) fn rest(&mut self, filter: &mut Filter, measured: &InertialIncrements, landed: bool) {
         if landed {
             if is_still(measured, filter.state().gyro_bias) {
-                let outcome = filter.fuse_rest(measured, REST.0, REST.1);
-                self.note(outcome);
+                let _ = filter.fuse_rest(measured, REST.0, REST.1);
             }
-            return self.step.take();
+            return;
         }
         let velocity_known = [Sensor::GnssVelocity, Sensor::Pose].into_iter().any(|sensor| {
             matches!(
@@ -367,9 +346,7 @@ impl Aiding {
             )
         });
         if !velocity_known {
-            let outcome = filter.fuse_gravity(measured, FLIGHT_FORCE);
-            self.note(outcome);
+            let _ = filter.fuse_gravity(measured, FLIGHT_FORCE);
         }
-        self.step.take()
     }
 }

@@ -50,6 +50,9 @@ pub type MissionEvents = Vec<MissionEvent, 4>;
 pub struct MissionEstimate {
     /// Position, NED, m from home.
     pub position: Vector3,
+    /// How far from the path's point control leads the vehicle meanwhile, NED, m: not 0 after a
+    /// step of the estimate (see [`crate::estimation::handover`]).
+    pub shift: Vector3,
     /// Velocity, NED, m/s.
     pub velocity: Vector3,
     /// Whether the vehicle is on the ground.
@@ -182,7 +185,8 @@ impl MissionExecutor {
         let seconds = dt as f32 * 1e-6;
         let step = self.path.step(dt, self.path_rate(around.parameters));
         let mut setpoint = step.setpoint;
-        self.last_error = scalar::norm(setpoint.position - around.estimate.position);
+        let led_to = setpoint.position + around.estimate.shift;
+        self.last_error = scalar::norm(led_to - around.estimate.position);
         self.watch(around, &mut events);
         if self.trigger.step(around.estimate.position, seconds) {
             self.photo(&mut events, self.trigger_item, None, true);
@@ -421,7 +425,7 @@ impl MissionExecutor {
         still: f32,
         events: &mut MissionEvents,
     ) -> State {
-        let below = setpoint.position.z - around.estimate.position.z;
+        let below = setpoint.position.z + around.estimate.shift.z - around.estimate.position.z;
         self.contact = below > CONTACT_DEPTH && around.estimate.velocity.z.abs() < 0.1;
         let resting = self.contact && below > 0.5;
         if !resting {

@@ -37,6 +37,7 @@ fn fly(
         parameters,
         estimate: MissionEstimate {
             position,
+            shift: Vector3::zeros(),
             velocity,
             landed: false,
         },

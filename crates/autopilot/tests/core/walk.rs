@@ -32,6 +32,7 @@ pub fn walk(items: &[MissionItem], parameters: &MissionParameters) -> Walk {
     let mut walk = Walk::default();
     let mut estimate = MissionEstimate {
         position: Vector3::zeros(),
+        shift: Vector3::zeros(),
         velocity: Vector3::zeros(),
         landed: true,
     };
@@ -224,6 +225,7 @@ fn a_mission_without_a_point_does_not_start() {
         parameters: &parameters,
         estimate: MissionEstimate {
             position: Vector3::zeros(),
+            shift: Vector3::zeros(),
             velocity: Vector3::zeros(),
             landed: true,
         },

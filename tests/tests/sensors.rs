@@ -1,0 +1,354 @@
+//! Flights on sensors: what they promise with each receiver, what the estimate is worth, and what
+//! becomes of them when a sensor fails.
+
+use rayon::prelude::*;
+use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Preset, ScheduleRecord, Snapshot};
+use windhover_math::{Quaternion, Vector3};
+use windhover_model::sensor::fault::SensorFault;
+use windhover_model::{ModelKind, Truth};
+use windhover_sim::closed_loop::Recorder;
+use windhover_sim::figures::Figures;
+use windhover_sim::flight::{self, Setup};
+use windhover_sim::sensors::{Receiver, Sensors};
+use windhover_tests::{monitoring, recorded, seeded, setup};
+
+fn on_sensors(receiver: Receiver) -> Setup {
+    let mut s = Setup {
+        sensors: Some(Sensors {
+            receiver,
+            ..Sensors::default()
+        }),
+        ..setup("os4", Preset::Windhover, ModelKind::Rigid)
+    };
+    if let Ok(x) = std::env::var("WSET") { for kv in x.split(',') { let (k,v)=kv.split_once('=').unwrap(); s.vehicle.parameters.insert(k.into(), v.parse().unwrap()); } }
+    if let Ok(x) = std::env::var("WERR") {
+        let mut e = windhover_model::sensor::suite::SensorErrors::reference(1000.0, s.vehicle.plant.hover_speed());
+        for w in x.split(',') { match w {
+            "novib" => { e.inertial.accel.vibration = 0.0; e.inertial.gyro.vibration = 0.0; }
+            "nokelvin" => { e.inertial.accel.per_kelvin = 0.0; e.inertial.gyro.per_kelvin = 0.0; }
+            "nomis" => { e.inertial.accel.misalignment = 0.0; e.inertial.accel.scale=0.0; }
+            "nobias" => { e.inertial.accel.bias = 0.0; }
+            "nowalk" => { e.inertial.gyro.walk = 0.0; e.inertial.accel.walk=0.0; }
+            "nodens" => { e.inertial.gyro.density = [0.0;3]; e.inertial.accel.density=[0.0;3]; }
+            "noslow" => { e.gnss.horizontal = 0.0; }
+            "nowhite" => { e.gnss.horizontal_white = 0.0; e.gnss.velocity=0.001; }
+            _ => panic!() } }
+        s.sensors.as_mut().unwrap().errors = Some(e);
+    }
+    s
+}
+
+/// Figures of a hundred flights.
+fn hundred(setup: &Setup) -> Vec<Figures> {
+    let mission = monitoring();
+    (1..=100)
+        .into_par_iter()
+        .map(|seed| {
+            let flown = flight::fly(&seeded(setup, seed), &mission, &mut (), &mut |_| {});
+            flown.expect("a flight").figures
+        })
+        .collect()
+}
+
+/// A value of every flight, in order.
+fn sorted(flights: &[Figures], value: impl Fn(&Figures) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = flights.iter().map(value).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn at(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Prints a row of the table and returns median, 95th percentile, largest and RMS.
+fn row(name: &str, sorted: &[f64]) -> [f64; 4] {
+    let rms = (sorted.iter().map(|x| x * x).sum::<f64>() / sorted.len() as f64).sqrt();
+    let row = [at(sorted, 0.5), at(sorted, 0.95), at(sorted, 1.0), rms];
+    println!(
+        "{name:42} {:8.3} {:8.3} {:8.3} {:8.3}",
+        row[0], row[1], row[2], row[3]
+    );
+    row
+}
+
+fn head(what: &str) {
+    println!("{what:42} {:>8} {:>8} {:>8} {:>8}", "median", "95 %", "largest", "RMS");
+}
+
+/// What both receivers have in common: the mission is flown, attitude and heading are known.
+fn check_flights(flights: &[Figures]) {
+    for flight in flights {
+        assert!(flight.completed, "seed {}: {}", flight.seed, flight.ended);
+        assert_eq!((flight.waypoints_reached, flight.photos.len()), (10, 10));
+    }
+    let [.., largest, rms] = row(
+        "roll and pitch error, deg",
+        &sorted(flights, |f| f.attitude_rmse_deg.unwrap()),
+    );
+    assert!(rms <= 0.5 && largest <= 0.75, "{rms} {largest}");
+    let [.., largest, _] = row(
+        "heading error, deg",
+        &sorted(flights, |f| f.heading_rmse_deg.unwrap()),
+    );
+    assert!(largest <= 2.0, "{largest}");
+    let [.., largest, _] = row("vertical error, m", &sorted(flights, |f| f.rmse_m.down));
+    assert!(largest <= 0.5, "{largest}");
+}
+
+#[test]
+fn a_standard_receiver_flies_the_mission_as_well_as_it_knows_where_it_is() {
+    head("standard receiver, 100 flights");
+    let flights = hundred(&on_sensors(Receiver::Standard));
+    check_flights(&flights);
+    let receiver = |f: &Figures| f.gnss_rmse_m.unwrap().horizontal();
+    row("receiver's horizontal error, m", &sorted(&flights, receiver));
+    row(
+        "horizontal error, m",
+        &sorted(&flights, |f| f.rmse_m.horizontal()),
+    );
+    let [median, most, ..] = row(
+        "horizontal error beyond the receiver's, m",
+        &sorted(&flights, |f| f.rmse_m.horizontal() - receiver(f)),
+    );
+    assert!(median <= 0.2 && most <= 0.4, "{median} {most}");
+}
+
+#[test]
+fn an_rtk_receiver_flies_the_mission_to_centimetres() {
+    head("RTK receiver, 100 flights");
+    let flights = hundred(&on_sensors(Receiver::Rtk));
+    check_flights(&flights);
+    let [median, ..] = row(
+        "horizontal error, m",
+        &sorted(&flights, |f| f.rmse_m.horizontal()),
+    );
+    assert!(median <= 0.10, "{median}");
+    let worst = |f: &Figures| f.photos.iter().map(|p| p.position_error_m).fold(0.0, f64::max);
+    let [.., largest, _] = row("worst photo, m", &sorted(&flights, worst));
+    assert!(largest <= 0.25, "{largest}");
+}
+
+/// Errors over declared standard deviations, squared, per degree of freedom.
+#[derive(Clone, Copy, Default)]
+struct Consistency {
+    position: f64,
+    velocity: f64,
+    attitude: f64,
+    count: f64,
+}
+
+fn double(q: &Quaternion) -> Quaternion<f64> {
+    Quaternion::new(q.w.into(), q.x.into(), q.y.into(), q.z.into())
+}
+
+/// The rotation vector from the true attitude to the estimated one, in the world, rad.
+fn attitude_error(truth: &Truth, result: &OuterResult) -> Vector3<f64> {
+    let turn = (double(&result.report.estimate.attitude) * truth.attitude.conjugate()).shortest();
+    Vector3::new(turn.x, turn.y, turn.z) * 2.0
+}
+
+impl Recorder for Consistency {
+    fn tick(&mut self, _: &Truth, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
+
+    fn outer(&mut self, truth: &Truth, _: &Snapshot, result: &OuterResult) {
+        if result.report.trajectory.is_none() {
+            return;
+        }
+        let (estimate, sigma) = (&result.report.estimate, &result.report.estimate.accuracy);
+        let square = |x: f64| x * x;
+        let over = |error: f64, sigma: f32| square(error / f64::from(sigma));
+        let p = estimate.position.map(f64::from) - truth.position;
+        let v = estimate.velocity.map(f64::from) - truth.velocity;
+        let a = attitude_error(truth, result);
+        // A declared deviation of two axes together has twice the variance of one.
+        let across = |x: f64, y: f64, sigma: f32| 2.0 * over(libm::hypot(x, y), sigma);
+        self.position += (across(p.x, p.y, sigma.horizontal) + over(p.z, sigma.vertical)) / 3.0;
+        self.velocity += over(libm::hypot(libm::hypot(v.x, v.y), v.z), sigma.velocity);
+        self.attitude += (across(a.x, a.y, sigma.tilt) + over(a.z, sigma.heading)) / 3.0;
+        self.count += 1.0;
+    }
+}
+
+/// The declared accuracy is that of the flights, whichever the receiver.
+#[test]
+fn the_estimate_errs_by_as_much_as_it_says() {
+    let mission = monitoring();
+    for receiver in [Receiver::Standard, Receiver::Rtk] {
+        let setup = on_sensors(receiver);
+        let sums: Vec<Consistency> = (1..=100)
+            .into_par_iter()
+            .map(|seed| {
+                let mut sum = Consistency::default();
+                let flown = flight::fly(&seeded(&setup, seed), &mission, &mut sum, &mut |_| {});
+                flown.expect("a flight");
+                sum
+            })
+            .collect();
+        let count: f64 = sums.iter().map(|sum| sum.count).sum();
+        let mean = |of: fn(&Consistency) -> f64| sums.iter().map(of).sum::<f64>() / count;
+        let means = [mean(|s| s.position), mean(|s| s.velocity), mean(|s| s.attitude)];
+        println!("{receiver:?}: position, velocity, attitude, squared over declared: {means:.2?}");
+        for mean in means {
+            assert!((0.5..=2.0).contains(&mean), "{receiver:?}: {means:?}");
+        }
+    }
+}
+
+/// Watches what a lost receiver does: the true error of the estimate when it comes back, and the
+/// largest step of the velocity setpoint from one outer step to the next.
+struct Loss {
+    until: f64,
+    /// Position gain over velocity gain, 1/s, north and east.
+    pull: [f64; 2],
+    error: f64,
+    last: Option<Vector3<f64>>,
+    step: f64,
+}
+
+impl Loss {
+    /// The velocity that position control asks for: the path's, and what the position error adds.
+    fn velocity_setpoint(&self, result: &OuterResult) -> Option<Vector3<f64>> {
+        let wanted = result.report.trajectory.as_ref()?;
+        let shifted = result.report.handover.shifted(wanted);
+        let off = (shifted.position - result.report.estimate.position).map(f64::from);
+        let velocity = shifted.velocity.map(f64::from);
+        Some(Vector3::new(
+            velocity.x + self.pull[0] * off.x,
+            velocity.y + self.pull[1] * off.y,
+            0.0,
+        ))
+    }
+}
+
+impl Recorder for Loss {
+    fn tick(&mut self, _: &Truth, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
+
+    fn outer(&mut self, truth: &Truth, _: &Snapshot, result: &OuterResult) {
+        if truth.time < self.until {
+            let off = result.report.estimate.position.map(f64::from) - truth.position;
+            self.error = libm::hypot(off.x, off.y);
+        }
+        let velocity = self.velocity_setpoint(result);
+        if truth.time > self.until - 1.0
+            && truth.time < self.until + 20.0
+            && let (Some(now), Some(last)) = (velocity, self.last)
+        {
+            let step = now - last;
+            if std::env::var("DBG").is_ok() && libm::hypot(step.x, step.y) > 0.2 { println!("{:.3} step {:?} traj {:?} est {:?} hand {:?} until {}", truth.time, step.as_slice(), result.report.trajectory.map(|t| (t.position, t.velocity)), result.report.estimate.position, result.report.handover, self.until); }
+            self.step = f64::max(self.step, libm::hypot(step.x, step.y));
+        }
+        self.last = velocity;
+    }
+}
+
+/// Half a minute without satellites: the mission goes on by what the inertial sensors say, and
+/// when the receiver comes back the vehicle is led back without a start.
+#[test]
+fn thirty_seconds_without_a_receiver() {
+    let mission = monitoring();
+    let nseeds: u64 = std::env::var("NS").ok().map_or(20, |x| x.parse().unwrap());
+    let mut lost: Vec<(f64, f64, bool)> = (1..=nseeds)
+        .into_par_iter()
+        .map(|seed| {
+            let start = 35.0 + 5.0 * (seed as f64 % 20.0 + 1.0);
+            let mut setup = seeded(&on_sensors(Receiver::Standard), seed);
+            let fault: SensorFault = format!("gnss-dropout@{start},30").parse().unwrap();
+            setup.sensors.as_mut().unwrap().faults = vec![fault];
+            let p = setup.parameters().unwrap().position;
+            let mut loss = Loss {
+                until: start + 30.0,
+                pull: [
+                    f64::from(p.north_p) / f64::from(p.north_d),
+                    f64::from(p.east_p) / f64::from(p.east_d),
+                ],
+                error: 0.0,
+                last: None,
+                step: 0.0,
+            };
+            let flown = flight::fly(&setup, &mission, &mut loss, &mut |_| {}).expect("a flight");
+            (loss.error, loss.step, flown.figures.completed)
+        })
+        .collect();
+    assert!(lost.iter().all(|(.., completed)| *completed));
+    lost.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let step = lost.iter().map(|lost| lost.1).fold(0.0, f64::max);
+    let errors: Vec<f64> = lost.iter().map(|lost| lost.0).collect();
+    head("receiver lost for 30 s, 20 flights");
+    let [median, ..] = row("position error when it returns, m", &errors);
+    println!("largest step of the velocity setpoint: {step:.3} m/s");
+    assert!(median <= 8.0, "{median}");
+    assert!(step <= 0.2, "{step}");
+}
+
+/// The largest attitude errors from the start of a fault on, rad.
+#[derive(Default)]
+struct Attitude {
+    since: f64,
+    tilt: f64,
+    heading: f64,
+}
+
+impl Recorder for Attitude {
+    fn tick(&mut self, _: &Truth, _: &InnerInput, _: MotorCommand, _: Option<ScheduleRecord>) {}
+
+    fn outer(&mut self, truth: &Truth, _: &Snapshot, result: &OuterResult) {
+        if truth.time >= self.since && result.report.trajectory.is_some() {
+            let error = attitude_error(truth, result);
+            self.tilt = f64::max(self.tilt, libm::hypot(error.x, error.y));
+            self.heading = f64::max(self.heading, error.z.abs());
+        }
+    }
+}
+
+/// Every fault that a vehicle with one inertial unit can survive, for 20 s at twenty moments of
+/// the mission: takeoff, legs, stops. Without a gyro nothing flies: `imu-*`, `gyro-dropout` and
+/// `gyro-freeze` are not among them.
+#[test]
+fn sensors_that_fail() {
+    let mission = monitoring();
+    let survivable = |name: &str| {
+        let other = ["imu-", "gyro-dropout", "gyro-freeze", "battery-", "rc-"];
+        !other.iter().any(|start| name.starts_with(start))
+    };
+    println!("{:20} {:>10} {:>10}  worst error of 20 flights", "fault", "tilt, deg", "heading");
+    let names: Vec<String> = SensorFault::all().into_iter().map(|f| f.name).collect();
+    let mut failed = vec![];
+    for name in names.iter().filter(|name| survivable(name)) {
+        let flown: Vec<(f64, f64, Option<String>)> = (1..=20u64)
+            .into_par_iter()
+            .map(|seed| {
+                let since = 5.0 + 7.3 * seed as f64;
+                let mut setup = seeded(&on_sensors(Receiver::Standard), seed);
+                setup.sensors.as_mut().unwrap().faults = vec![format!("{name}@{since},20").parse().unwrap()];
+                let mut attitude = Attitude {
+                    since,
+                    ..Attitude::default()
+                };
+                let flown = flight::fly(&setup, &mission, &mut attitude, &mut |_| {}).expect("a flight");
+                let figures = flown.figures;
+                let crash = (!figures.completed).then_some(format!("seed {seed}: {}", figures.ended));
+                (attitude.tilt.to_degrees(), attitude.heading.to_degrees(), crash)
+            })
+            .collect();
+        let tilt = flown.iter().map(|f| f.0).fold(0.0, f64::max);
+        let heading = flown.iter().map(|f| f.1).fold(0.0, f64::max);
+        println!("{name:20} {tilt:10.2} {heading:10.2}");
+        let crash = flown.into_iter().find_map(|f| f.2);
+        if tilt >= 5.0 || heading >= 5.0 || crash.is_some() {
+            failed.push(format!("{name}: tilt {tilt:.2}, heading {heading:.2}, {crash:?}"));
+        }
+    }
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// Equal seeds, equal bits; and the record of a flight on sensors replays.
+#[test]
+fn flights_on_sensors_repeat() {
+    let setup = seeded(&on_sensors(Receiver::Standard), 3);
+    let (first, _) = recorded(&setup, &monitoring());
+    let (second, _) = recorded(&setup, &monitoring());
+    assert_eq!(first.figures.motor_hash, second.figures.motor_hash);
+    let (other, _) = recorded(&seeded(&setup, 4), &monitoring());
+    assert_ne!(first.figures.motor_hash, other.figures.motor_hash);
+}
