@@ -30,7 +30,7 @@ impl Bench {
         Self {
             attitude,
             gyro_bias: random.normals() * 0.01,
-            accel_bias: random.normals() * 0.05,
+            accel_bias: random.normals() * 0.08,
             wind: 0.0,
             random,
         }
