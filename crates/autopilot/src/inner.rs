@@ -223,7 +223,7 @@ impl Inner {
     /// is put into its mailbox, which is empty then, since the last one has come back as a result.
     #[inline(always)]
     pub fn tick(&mut self, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
-        let dt = self.sample(&input.imu);
+        let (is_sampled, dt) = self.sample(&input.imu);
         self.latch(input);
         let mut adopted = false;
         if self.schedule.at_boundary()
@@ -236,16 +236,17 @@ impl Inner {
         let tick = self.schedule.tick();
         let record = self.schedule.advance(adopted);
         self.watch_outer();
-        let motors = self.step(dt);
+        let motors = self.step(is_sampled, dt);
         if record.is_some_and(|record| record.snapshot_taken) {
             mailboxes.snapshot = Some(self.snapshot(tick, &mut mailboxes.queues));
         }
         TickOutput { motors, record }
     }
 
-    /// Takes in a sample, or the lack of one; the time since the last tick in s.
+    /// Takes in a sample, or the lack of one; whether there was one, and the time since the last
+    /// tick in s.
     #[inline]
-    fn sample(&mut self, imu: &Imu) -> f32 {
+    fn sample(&mut self, imu: &Imu) -> (bool, f32) {
         // A time that runs backwards is no time at all.
         let elapsed = imu.time().saturating_sub(self.time).min(1_000_000) as u32 as f32 * 1e-6;
         let dt = max(0.25 * self.period, min(4.0 * self.period, elapsed));
@@ -254,13 +255,22 @@ impl Inner {
             Imu::Sample { counts, time } if plausible::has_rate(counts) => {
                 self.inertial = self.sensing.convert(counts);
                 self.sample_time = *time;
-                let flies = self.motors == MotorState::Run && !self.landed;
-                self.sees_force = self.accel.look(counts, flies);
+                self.sees_force =
+                    self.accel.look(counts) || (!self.is_flying() && plausible::has_force(counts));
+                (true, dt)
             }
             // The vehicle turns on as it did.
-            _ => self.increments.missing = self.increments.missing.saturating_add(1),
+            _ => {
+                self.increments.missing = self.increments.missing.saturating_add(1);
+                (false, dt)
+            }
         }
-        dt
+    }
+
+    /// Whether the motors hold the vehicle in the air.
+    #[inline]
+    fn is_flying(&self) -> bool {
+        self.motors == MotorState::Run && !self.landed
     }
 
     /// Closes the latch where something urgent says so.
@@ -318,9 +328,9 @@ impl Inner {
     /// Predictor, gyro filter, attitude control and mixer. Without a new sample, control goes on
     /// with the last filtered rate.
     #[inline]
-    fn step(&mut self, dt: f32) -> MotorCommand {
+    fn step(&mut self, is_sampled: bool, dt: f32) -> MotorCommand {
         self.predictor.predict(self.inertial.rate, dt);
-        if self.sample_time == self.time {
+        if is_sampled {
             self.filter.step(self.predictor.rate());
         }
         let force = if self.sees_force {

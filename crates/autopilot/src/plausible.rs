@@ -3,8 +3,8 @@
 use crate::io::ImuCounts;
 
 /// How the ICM-42688-P marks a result that is not valid (datasheet, section 4.14: the registers'
-/// value after a reset and while a sensor is off).
-const INVALID: [i16; 3] = [i16::MIN; 3];
+/// value after a reset and while a sensor is off): all three axes so.
+const INVALID: i16 = i16::MIN;
 
 /// So many samples a second without a change in any axis are none: the part's own noise alone is
 /// three counts. In thousandths of the sample rate, so 25 ms.
@@ -14,38 +14,53 @@ const FROZEN: u32 = 25;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AccelWatch {
     last: [i16; 3],
-    same: u16,
+    /// How often it may still show the same.
+    left: u16,
     most: u16,
 }
 
 impl AccelWatch {
     /// For this many samples per second.
     pub fn new(imu_rate: u32) -> Self {
+        let most = (imu_rate * FROZEN / 1000).min(1000) as u16;
         Self {
             last: [0; 3],
-            same: 0,
-            most: (imu_rate * FROZEN / 1000).min(1000) as u16,
+            left: most,
+            most,
         }
     }
 
     /// Takes in a sample; whether it can be true of a vehicle that flies. One that stands still on
-    /// a quiet desk may show the same for long.
-    #[inline]
-    pub fn look(&mut self, counts: &ImuCounts, flies: bool) -> bool {
-        if counts.accel != self.last {
+    /// a quiet desk may show the same for long: there [`has_force`] is enough. Inlined, it would
+    /// have to share the registers.
+    #[inline(never)]
+    pub fn look(&mut self, counts: &ImuCounts) -> bool {
+        // The usual case is over at the first axis.
+        if counts.accel.iter().zip(&self.last).any(|(now, last)| now != last) {
             self.last = counts.accel;
-            self.same = 0;
-        } else if self.same < self.most {
-            self.same += 1;
+            self.left = self.most;
+            return has_force(counts);
         }
-        counts.accel != INVALID && !(flies && self.same >= self.most)
+        self.left = self.left.saturating_sub(1);
+        self.left > 0 && has_force(counts)
     }
+}
+
+/// Whether the accelerometer has measured anything.
+#[inline]
+pub fn has_force(counts: &ImuCounts) -> bool {
+    is_valid(&counts.accel)
 }
 
 /// Whether the gyro has measured anything.
 #[inline]
 pub fn has_rate(counts: &ImuCounts) -> bool {
-    counts.gyro != INVALID
+    is_valid(&counts.gyro)
+}
+
+#[inline]
+fn is_valid(axes: &[i16; 3]) -> bool {
+    axes.iter().any(|count| *count != INVALID)
 }
 
 #[cfg(test)]
@@ -63,21 +78,21 @@ mod tests {
     fn an_accelerometer_that_hangs_in_flight_is_noticed_after_25_ms() {
         for (rate, ticks) in [(1000, 25), (4000, 100)] {
             let mut watch = AccelWatch::new(rate);
-            watch.look(&counts(1), true);
-            let noticed = (1..1000).find(|_| !watch.look(&counts(1), true));
+            watch.look(&counts(1));
+            let noticed = (1..1000).find(|_| !watch.look(&counts(1)));
             assert_eq!(noticed, Some(ticks));
-            assert!(watch.look(&counts(1), false), "on the ground it may");
-            assert!(watch.look(&counts(2), true), "and it may wake up");
+            assert!(has_force(&counts(1)), "on the ground it may");
+            assert!(watch.look(&counts(2)), "and it may wake up");
         }
     }
 
     #[test]
     fn registers_of_a_sensor_that_is_off_are_no_measurement() {
         let off = ImuCounts {
-            accel: INVALID,
-            gyro: INVALID,
+            accel: [INVALID; 3],
+            gyro: [INVALID; 3],
         };
-        assert!(!AccelWatch::new(1000).look(&off, false));
+        assert!(!AccelWatch::new(1000).look(&off) && !has_force(&off));
         assert!(!has_rate(&off) && has_rate(&counts(0)));
     }
 }

@@ -24,6 +24,9 @@ const FILTER: [(&str, u64); 7] = [
     ("gnss_velocity", 3),
 ];
 
+/// From here on in [`FILTER`] measurements come late.
+const FIRST_LATE: usize = 4;
+
 /// It takes a few seconds.
 const LIMIT: u64 = 60 * SECOND;
 
@@ -33,8 +36,11 @@ pub struct Kernels {
     /// In the order of [`FUNCTIONS`].
     pub functions: [Count; 6],
     /// Predict, and the measurements' updates, per scalar: barometer, compass, gravity, a
-    /// receiver's late north and east, its late height, its late velocity.
+    /// receiver's late north and east, its late height, its late velocity. Border and gate are in
+    /// it, the look back is not.
     pub filter: [Count; 7],
+    /// The look back of a measurement that comes late.
+    pub look_back: Count,
     /// The outer step of a vehicle on its mission that is told where it is.
     pub mission: Count,
 }
@@ -54,15 +60,22 @@ pub fn count(elf: Arc<Elf>) -> Result<Kernels, FlightError> {
         probes.push(probe(&format!("filter::{function}"))?);
     }
     let mission = probe("mission::outer_step")?;
+    let look_back = machine.count("Filter::past_at")?;
     // It sleeps when it has done all calls.
     while machine.load().asleep == 0 && machine.now() < LIMIT {
         machine.run(machine.now() + SECOND / 10)?;
     }
     let count = |probe| Count::from(machine.calls(probe));
     let (functions, filter) = probes.split_at(FUNCTIONS.len());
+    let look_back = count(look_back);
+    let update = |i: usize| match count(filter[i]) {
+        late if i >= FIRST_LATE => late.without(&look_back),
+        present => present,
+    };
     Ok(Kernels {
         functions: std::array::from_fn(|i| count(functions[i])),
-        filter: std::array::from_fn(|i| count(filter[i]).per(FILTER[i].1)),
+        filter: std::array::from_fn(|i| update(i).per(FILTER[i].1)),
+        look_back,
         mission: count(mission),
     })
 }

@@ -57,6 +57,18 @@ impl Count {
         }
     }
 
+    /// The same without a part that each call had once, in the mean; the extremes are bounds.
+    pub fn without(&self, part: &Self) -> Self {
+        let share = |sum: u64| sum * self.calls / part.calls.max(1);
+        Self {
+            calls: self.calls,
+            min: self.min.saturating_sub(part.max),
+            max: self.max.saturating_sub(part.min),
+            instructions: self.instructions.saturating_sub(share(part.instructions)),
+            cycles: self.cycles.saturating_sub(share(part.cycles)),
+        }
+    }
+
     /// The same for each of the so many equal parts of a call.
     pub fn per(&self, parts: u64) -> Self {
         Self {

@@ -129,6 +129,7 @@ impl Table {
             row("  late position, each of 2", place, Each(1000), &[]),
             row("  late height", height, Each(1000), &[]),
             row("  late velocity, each of 3", velocity, Each(1000), &[]),
+            row("  look back, once per late message", kernels.look_back, None, &[]),
             row(sin_name, sin, Each(50), SIN),
             row(cos_name, cos, Each(50), &[]),
             row(sin_cos_name, sin_cos, Each(65), &[]),
@@ -213,6 +214,7 @@ mod tests {
             functions: [calls(40, 50, 90); 6],
             filter: [calls(700, 800, 1500); 7],
             mission: calls(1000, 2000, 3000),
+            ..Kernels::default()
         };
         let table = Table::new(&ticks, &kernels);
         assert_eq!(table.missed(), ["inner tick in flight"]);

@@ -103,12 +103,6 @@ pub(crate) fn product(m: &Block, h: Row) -> Row {
     [dot(m[0], h), dot(m[1], h), dot(m[2], h)]
 }
 
-/// Mᵀ h.
-#[inline(always)]
-pub(crate) fn transposed_product(m: &Block, h: Row) -> Row {
-    [dot(column(m, 0), h), dot(column(m, 1), h), dot(column(m, 2), h)]
-}
-
 /// a · b.
 #[inline(always)]
 pub(crate) fn dot(a: Row, b: Row) -> f32 {

@@ -1,6 +1,6 @@
 //! Columns of the covariance: of a state, and of the sums of states that sensors measure.
 
-use super::block::{Row, add_row, column, product, scaled, set_column, transposed_product};
+use super::block::{Row, add_row, column, product, scaled, set_column};
 use super::{Axis, Covariance};
 
 /// Covariance of every error state with one scalar.
@@ -128,16 +128,13 @@ impl Covariance {
         self.gb[k] = c.b;
     }
 
-    /// Covariance with h · attitude error.
+    /// Covariance with h · attitude error. By columns, so that a coefficient of 1 costs nothing.
     #[inline(always)]
     pub(super) fn direction_column(&self, h: Row) -> Column {
-        Column {
-            p: product(&self.pa, h),
-            v: product(&self.va, h),
-            a: product(&self.aa, h),
-            g: transposed_product(&self.ag, h),
-            b: transposed_product(&self.ab, h),
-        }
+        let mut c = self.attitude_column(Axis::Z).scaled(h[2]);
+        c.add(h[0], &self.attitude_column(Axis::X));
+        c.add(h[1], &self.attitude_column(Axis::Y));
+        c
     }
 
     /// Covariance with h · error of the accelerometer bias.

@@ -161,7 +161,8 @@ impl Covariance {
     /// Variance of h · attitude error.
     #[inline(always)]
     pub(crate) fn direction_variance(&self, h: Row) -> f32 {
-        dot(h, product(&self.aa, h))
+        // As in the column, so that it is computed once.
+        dot(h, self.direction_column(h).a)
     }
 
     /// Takes in a measurement of h · attitude error.

@@ -71,7 +71,7 @@ impl Filter {
         // A heading that is known well is not given up for a direction that says something else
         // time and again: iron and currents are likelier than a turned vehicle.
         let [_, _, heading] = self.covariance.variances(Group::Attitude);
-        if heading < FIRM_HEADING * FIRM_HEADING && !tests.iter().all(Test::passes) {
+        if !tests.iter().all(Test::passes) && heading < FIRM_HEADING * FIRM_HEADING {
             return Ok(self.rejected(sensor, tests));
         }
         Ok(self.decide(

@@ -3,14 +3,13 @@
 //! Its size and its dip are not used: both change with currents and iron, and say little of the
 //! attitude that gravity does not say better.
 
-use windhover_math::Vector3;
+use windhover_math::{Quaternion, Vector3};
 
 use super::bearing::Bearing;
 use crate::border::{Refusal, deviation, number, vector};
 use crate::filter::Filter;
 use crate::gate::Report;
 use crate::health::Sensor;
-use crate::history::Past;
 
 /// Largest component of a field, in whatever unit.
 const LARGEST_FIELD: f32 = 1e6;
@@ -47,8 +46,8 @@ impl Filter {
     /// Takes in the heading that the field tells.
     #[inline]
     pub fn fuse_compass(&mut self, measured: &MagneticField) -> Result<Report<1>, Refusal> {
-        let past = self.compass_border(measured);
-        let past = self.counted(Sensor::Compass, past)?;
+        let attitude = self.compass_border(measured);
+        let attitude = self.counted(Sensor::Compass, attitude)?;
         let bearing = Bearing {
             direction: measured.field,
             bearing: measured.declination,
@@ -56,13 +55,15 @@ impl Filter {
             bearing_noise: 0.0,
             repeats: measured.repeats,
             is_bearing_exact: true,
-            attitude: past.attitude(&self.state),
+            attitude,
         };
         self.fuse_bearing(Sensor::Compass, &bearing)
     }
 
-    fn compass_border(&self, measured: &MagneticField) -> Result<Past, Refusal> {
+    /// The attitude when it was measured.
+    #[inline(always)]
+    fn compass_border(&self, measured: &MagneticField) -> Result<Quaternion, Refusal> {
         measured.check()?;
-        self.past(measured.time)
+        Ok(self.past(measured.time)?.attitude(&self.state))
     }
 }

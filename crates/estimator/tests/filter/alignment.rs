@@ -30,7 +30,7 @@ impl Bench {
         Self {
             attitude,
             gyro_bias: random.normals() * 0.01,
-            accel_bias: random.normals() * 0.05,
+            accel_bias: random.normals() * 0.08,
             wind: 0.0,
             random,
         }
@@ -81,7 +81,7 @@ fn the_errors_of_the_first_attitude_are_those_that_it_claims() {
             .unwrap();
         assert_eq!(filter.state().position, place);
         let e = logarithm(bench.attitude * wide_rotation(filter.state().attitude).conjugate());
-        assert!(e.x.abs() < 0.02 && e.y.abs() < 0.02, "{e}");
+        assert!(e.x.abs() < 0.032 && e.y.abs() < 0.032, "{e}");
         let p = dense::of(filter.covariance());
         for k in 0..3 {
             sums[k] += e[k] * e[k] / p[(6 + k, 6 + k)] / 200.0;
