@@ -137,7 +137,10 @@ mod tests {
             watch.look(noise(n), VARIANCE, DT);
         }
         for step in [0.1, -0.1, 0.3] {
-            assert!((0..500).all(|n| !watch.look(step + noise(n), VARIANCE, DT)), "{step}");
+            assert!(
+                (0..500).all(|n| !watch.look(step + noise(n), VARIANCE, DT)),
+                "{step}"
+            );
         }
     }
 
