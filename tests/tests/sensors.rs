@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Preset, ScheduleRecord, Snapshot};
-use windhover_math::{Quaternion, Vector3};
+use windhover_math::{Quaternion, Vector3, max};
 use windhover_model::sensor::fault::SensorFault;
 use windhover_model::{ModelKind, Truth};
 use windhover_sim::closed_loop::Recorder;
@@ -111,7 +111,7 @@ fn an_rtk_receiver_flies_the_mission_to_centimetres() {
         &sorted(&flights, |f| f.rmse_m.horizontal()),
     );
     assert!(median <= 0.10, "{median}");
-    let worst = |f: &Figures| f.photos.iter().map(|p| p.position_error_m).fold(0.0, f64::max);
+    let worst = |f: &Figures| f.photos.iter().map(|p| p.position_error_m).fold(0.0, max);
     let [.., largest, _] = row("worst photo, m", &sorted(&flights, worst));
     assert!(largest <= 0.25, "{largest}");
 }
@@ -222,7 +222,7 @@ impl Recorder for Loss {
             && let (Some(now), Some(last)) = (velocity, self.last)
         {
             let step = now - last;
-            self.step = f64::max(self.step, libm::hypot(step.x, step.y));
+            self.step = max(self.step, libm::hypot(step.x, step.y));
         }
         self.last = velocity;
     }
@@ -257,7 +257,7 @@ fn thirty_seconds_without_a_receiver() {
         .collect();
     assert!(lost.iter().all(|(.., completed)| *completed));
     lost.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let step = lost.iter().map(|lost| lost.1).fold(0.0, f64::max);
+    let step = lost.iter().map(|lost| lost.1).fold(0.0, max);
     let errors: Vec<f64> = lost.iter().map(|lost| lost.0).collect();
     head("receiver lost for 30 s, 20 flights");
     let [median, ..] = row("position error when it returns, m", &errors);
@@ -280,8 +280,8 @@ impl Recorder for Attitude {
     fn outer(&mut self, truth: &Truth, _: &Snapshot, result: &OuterResult) {
         if truth.time >= self.since && result.report.trajectory.is_some() {
             let error = attitude_error(truth, result);
-            self.tilt = f64::max(self.tilt, libm::hypot(error.x, error.y));
-            self.heading = f64::max(self.heading, error.z.abs());
+            self.tilt = max(self.tilt, libm::hypot(error.x, error.y));
+            self.heading = max(self.heading, error.z.abs());
         }
     }
 }
@@ -319,8 +319,8 @@ fn sensors_that_fail() {
                 (attitude.tilt.to_degrees(), attitude.heading.to_degrees(), crash)
             })
             .collect();
-        let tilt = flown.iter().map(|f| f.0).fold(0.0, f64::max);
-        let heading = flown.iter().map(|f| f.1).fold(0.0, f64::max);
+        let tilt = flown.iter().map(|f| f.0).fold(0.0, max);
+        let heading = flown.iter().map(|f| f.1).fold(0.0, max);
         println!("{name:20} {tilt:10.2} {heading:10.2}");
         let crash = flown.into_iter().find_map(|f| f.2);
         if tilt >= 5.0 || heading >= 5.0 || crash.is_some() {

@@ -75,7 +75,7 @@ impl HeadingWatch {
         self.usual += differs * share(USUAL);
         let apart = self.lately * self.lately / (APART * APART * variance);
         self.rising = if apart > 0.25 { self.rising + dt } else { 0.0 };
-        if !(apart > 1.0) {
+        if apart <= 1.0 || apart.is_nan() {
             return false;
         }
         if self.rising < LEAST_RISE {

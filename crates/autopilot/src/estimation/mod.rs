@@ -133,11 +133,16 @@ pub struct SensorReport {
     pub refused: u32,
     /// How often the estimate was set to a measurement.
     pub resets: u32,
+    /// How often the inertial sensors were doubted.
+    pub doubts: u32,
 }
 
 impl SensorReport {
-    fn new(filter: &Filter) -> Self {
-        let mut report = Self::default();
+    fn new(filter: &Filter, doubts: u32) -> Self {
+        let mut report = Self {
+            doubts,
+            ..Self::default()
+        };
         for (sensor, code) in Sensor::ALL.into_iter().zip(&mut report.health) {
             let monitor = filter.monitor(sensor);
             report.rejected = report.rejected.saturating_add(monitor.rejected);
@@ -324,7 +329,7 @@ impl Estimation {
                 self.aiding.take_in(filter, &settings, snapshot);
                 if self.steps == 0 {
                     self.aiding.rest(filter, &measured, landed);
-                    self.sensors = SensorReport::new(filter);
+                    self.sensors = SensorReport::new(filter, self.aiding.doubts);
                 }
                 self.steps = if self.steps < SLOW - 1 { self.steps + 1 } else { 0 };
                 if !landed {

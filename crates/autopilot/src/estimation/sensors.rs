@@ -110,7 +110,8 @@ pub(super) struct Aiding {
     suspect: Doubt,
     episode: u8,
     heading: HeadingWatch,
-    /// How often the inertial sensors may still be doubted.
+    /// How often the inertial sensors were doubted, and how often they still may be.
+    pub(super) doubts: u32,
     patience: f32,
     /// The receiver's last message, and how often in a row it has said the same.
     last_fix: GnssSample,
@@ -135,6 +136,7 @@ impl Aiding {
             suspect: WRONG_RATE,
             episode: 0,
             heading: HeadingWatch::default(),
+            doubts: 0,
             patience: DOUBTS,
             last_fix: GnssSample::default(),
             same: 0,
@@ -294,6 +296,7 @@ impl Aiding {
                 .heading
                 .look(test.innovation + trust.offset, test.variance, elapsed)
         {
+            self.doubts = self.doubts.saturating_add(1);
             filter.doubt(&Doubt {
                 heading: DOUBT_HEADING,
                 gyro_bias: [0.0, 0.0, DOUBT_GYRO],
@@ -369,6 +372,7 @@ impl Aiding {
             }
             self.episode = EPISODE;
             filter.doubt(&self.suspect);
+            self.doubts = self.doubts.saturating_add(1);
         }
         self.episode = self.episode.saturating_sub(1);
         self.patience = min(DOUBTS, self.patience + DOUBTS_PER_FIX);

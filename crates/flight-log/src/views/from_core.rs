@@ -134,6 +134,7 @@ impl EstimatorStatus {
             rejected: sensors.rejected,
             refused: sensors.refused,
             resets: sensors.resets,
+            doubts: sensors.doubts,
             handover: result.report.handover.position,
         }
     }

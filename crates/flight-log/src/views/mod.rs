@@ -269,6 +269,8 @@ views! {
         refused: u32,
         /// How often the estimate was set to a measurement since start.
         resets: u32,
+        /// How often the inertial sensors were doubted since start.
+        doubts: u32,
         /// What the setpoint is shifted by, NED, m.
         handover: Vector3,
     }
