@@ -2,10 +2,12 @@
 
 use windhover_autopilot::{Parameters, Preset};
 use windhover_model::random::Random;
+use windhover_model::sensor::fault::SensorFault;
 use windhover_model::{ModelKind, mean_wind_from};
 use windhover_sim::closed_loop::Disruption;
 use windhover_sim::flight::Setup;
 use windhover_sim::mission_file::MissionFile;
+use windhover_sim::sensors::{Receiver, Sensors};
 
 use crate::plan::Plan;
 use crate::{seeded, setup, write};
@@ -62,10 +64,33 @@ pub fn random_setup(seed: u64) -> Setup {
     seeded(&base, seed)
 }
 
-/// The same, in wind and gusts from anywhere as well.
+/// Sensors with a receiver and a fault drawn at random; some flights have no fault.
+fn random_sensors(random: &mut Random) -> Sensors {
+    let mut number = |most: f64| random.uniform() * most;
+    let names = SensorFault::all();
+    let faults = (number(1.0) < 0.6).then(|| {
+        let name = &names[number(names.len() as f64) as usize].name;
+        let text = format!("{name}@{},{}", number(25.0), 0.5 + number(10.0));
+        text.parse().expect("a fault of the list")
+    });
+    Sensors {
+        receiver: if number(1.0) < 0.5 {
+            Receiver::Standard
+        } else {
+            Receiver::Rtk
+        },
+        faults: faults.into_iter().collect(),
+        errors: None,
+    }
+}
+
+/// The same, in wind and gusts from anywhere as well, half of them on sensors.
 pub fn random_conditions(seed: u64) -> Setup {
     let mut random = Random::new(seed, 815);
     let mut setup = random_setup(seed);
+    if seed.is_multiple_of(2) {
+        setup.sensors = Some(random_sensors(&mut random));
+    }
     setup.conditions.wind = mean_wind_from(random.uniform() * 6.0, random.uniform() * 360.0);
     setup.conditions.gust = random.uniform() * 1.5;
     setup

@@ -10,6 +10,7 @@ use windhover_autopilot::Preset;
 use windhover_model::{Integrator, ModelKind};
 use windhover_sim::closed_loop::Disruption;
 use windhover_sim::flight::Setup;
+use windhover_sim::sensors::Sensors;
 use windhover_tests::plan::short;
 use windhover_tests::{monitoring, recorded, setup, write};
 
@@ -87,6 +88,16 @@ fn flights() -> Vec<(String, String)> {
     wanted.push(("disrupted 1000 Hz".into(), disrupted(1000), short()));
     wanted.push(("disrupted 4000 Hz".into(), disrupted(4000), short()));
     wanted.push(("monitoring.plan".into(), reference, monitoring()));
+    for vehicle in ["os4", "x450"] {
+        for rate in [1000, 4000] {
+            let on_sensors = Setup {
+                imu_rate: rate,
+                sensors: Some(Sensors::default()),
+                ..setup(vehicle, Preset::Windhover, ModelKind::Rigid)
+            };
+            wanted.push((format!("{vehicle} on sensors {rate} Hz"), on_sensors, short()));
+        }
+    }
     let fly = |(name, setup, mission)| {
         let figures = recorded(&setup, &mission).0.figures;
         assert!(figures.completed, "{name}: {}", figures.ended);

@@ -6,14 +6,17 @@ use crate::io::ImuCounts;
 /// value after a reset and while a sensor is off): all three axes so.
 const INVALID: i16 = i16::MIN;
 
-/// So many samples a second without a change in any axis are none: the part's own noise alone is
-/// three counts. In thousandths of the sample rate, so 25 ms.
+/// So many samples without a change in any axis, while the gyro changes, are none: the part's own
+/// noise alone is three counts. In thousandths of the sample rate, so 25 ms or somewhat more. Where
+/// the gyro stands still as well, the vehicle may: in a world without noise it does.
 const FROZEN: u32 = 25;
 
 /// Watches the accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AccelWatch {
     last: [i16; 3],
+    /// What the gyro's first axis showed then.
+    gyro: i16,
     /// How often it may still show the same.
     left: u16,
     most: u16,
@@ -25,6 +28,7 @@ impl AccelWatch {
         let most = (imu_rate * FROZEN / 1000).min(1000) as u16;
         Self {
             last: [0; 3],
+            gyro: 0,
             left: most,
             most,
         }
@@ -38,10 +42,12 @@ impl AccelWatch {
         // The usual case is over at the first axis.
         if counts.accel.iter().zip(&self.last).any(|(now, last)| now != last) {
             self.last = counts.accel;
+            self.gyro = counts.gyro[0];
             self.left = self.most;
             return has_force(counts);
         }
-        self.left = self.left.saturating_sub(1);
+        let gyro_lives = counts.gyro[0] != self.gyro;
+        self.left = self.left.saturating_sub(u16::from(gyro_lives));
         self.left > 0 && has_force(counts)
     }
 }
@@ -79,7 +85,13 @@ mod tests {
         for (rate, ticks) in [(1000, 25), (4000, 100)] {
             let mut watch = AccelWatch::new(rate);
             watch.look(&counts(1));
-            let noticed = (1..1000).find(|_| !watch.look(&counts(1)));
+            // Neither moves: a vehicle at rest in a world without noise.
+            assert!((1..1000).all(|_| watch.look(&counts(1))));
+            let alive = ImuCounts {
+                gyro: [1, 0, 0],
+                ..counts(1)
+            };
+            let noticed = (1..1000).find(|_| !watch.look(&alive));
             assert_eq!(noticed, Some(ticks));
             assert!(has_force(&counts(1)), "on the ground it may");
             assert!(watch.look(&counts(2)), "and it may wake up");

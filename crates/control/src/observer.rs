@@ -69,8 +69,8 @@ impl DisturbanceObserver {
     }
 }
 
-/// How much more or less acceleration the rotors give than the parameters say: a payload, a worn
-/// battery, thin air. It is 1 for a vehicle that is as described.
+/// How much more or less acceleration the rotors give than the parameters say, beyond what wind may
+/// do: a payload, a worn battery, thin air. It is 1 for a vehicle that is nearly as described.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrustScale {
     scale: f32,
@@ -85,6 +85,10 @@ impl Default for ThrustScale {
 /// Bounds of what is believed of the scale.
 const SCALES: (f32, f32) = (0.4, 1.6);
 
+/// What is off by less than this share may be wind along the thrust, and is left to the disturbance
+/// observer: it goes with the wind, the scale does not.
+const WIND: f32 = 0.15;
+
 /// Below so much thrust per mass, m/s², nothing is learned of its scale.
 const LEAST_THRUST: f32 = 3.0;
 
@@ -94,7 +98,9 @@ impl ThrustScale {
     pub fn step(&mut self, parameters: &ObserverParameters, measured: f32, thrust: f32, dt: f32) {
         if parameters.scale_time > 0.0 && thrust > LEAST_THRUST {
             let (least, most) = SCALES;
-            let seen = windhover_math::max(least, windhover_math::min(most, measured / thrust));
+            let off = measured / thrust - 1.0;
+            let beyond = off - windhover_math::saturate(off, WIND);
+            let seen = windhover_math::max(least, windhover_math::min(most, 1.0 + beyond));
             self.scale += (seen - self.scale) * low_pass_share(parameters.scale_time, dt);
         }
     }
@@ -131,11 +137,18 @@ mod tests {
             // half as heavy again as described, and hovering
             thrust.step(&parameters, 9.8, 9.8 * 1.5, 0.004);
         }
-        assert!((thrust.scale() - 1.0 / 1.5).abs() < 1e-3);
+        assert!((thrust.scale() - (1.0 / 1.5 + WIND)).abs() < 1e-3);
+        let learned = thrust.scale();
         for _ in 0..10_000 {
             thrust.step(&parameters, 9.8, 0.1, 0.004);
         }
-        assert!((thrust.scale() - 1.0 / 1.5).abs() < 1e-3, "nothing to learn from");
+        assert_eq!(thrust.scale(), learned, "nothing to learn from");
+        let mut thrust = ThrustScale::default();
+        for _ in 0..10_000 {
+            // up-wind of 1 m/s²
+            thrust.step(&parameters, 8.8, 9.8, 0.004);
+        }
+        assert_eq!(thrust.scale(), 1.0);
         for _ in 0..10_000 {
             thrust.step(&parameters, 300.0, 5.0, 0.004);
         }
