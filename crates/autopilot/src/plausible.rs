@@ -7,9 +7,9 @@ use crate::io::ImuCounts;
 const INVALID: i16 = i16::MIN;
 
 /// So many samples without a change in any axis, while the gyro changes, are none: the part's own
-/// noise alone is three counts. In thousandths of the sample rate, so 25 ms or somewhat more. Where
+/// noise alone is three counts. In thousandths of the sample rate, so 100 ms or somewhat more. Where
 /// the gyro stands still as well, the vehicle may: in a world without noise it does.
-const FROZEN: u32 = 25;
+const FROZEN: u32 = 100;
 
 /// Watches the accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +81,8 @@ mod tests {
     }
 
     #[test]
-    fn an_accelerometer_that_hangs_in_flight_is_noticed_after_25_ms() {
-        for (rate, ticks) in [(1000, 25), (4000, 100)] {
+    fn an_accelerometer_that_hangs_in_flight_is_noticed_after_100_ms() {
+        for (rate, ticks) in [(1000, 100), (4000, 400)] {
             let mut watch = AccelWatch::new(rate);
             watch.look(&counts(1));
             // Neither moves: a vehicle at rest in a world without noise.
