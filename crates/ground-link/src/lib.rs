@@ -12,6 +12,33 @@
 //! a store of plans. Degrees and scaled integers end here: inside are SI units, radians and NED,
 //! and a number that says "unset" is an `Option`.
 #![no_std]
+// Clients still send what the protocol's authors would have them replace.
+#![allow(deprecated)]
 
+mod checksum;
+pub mod commands;
 pub mod frame;
+mod link;
+pub mod mission;
+mod mode;
+pub mod outbox;
+pub mod parameters;
+mod request;
+mod scale;
+pub mod setpoints;
 pub mod signing;
+pub mod streams;
+pub mod telemetry;
+pub mod text;
+mod wire;
+
+pub use commands::{CommandId, CommandResult, Identity};
+pub use frame::Address;
+pub use link::{Config, Context, Counters, Link, Photo};
+pub use mission::{MissionResult, PlanKind, PlanRefusal, PlanStore};
+pub use mode::Mode;
+pub use outbox::Order;
+pub use parameters::ParameterTable;
+pub use request::{Calibration, Ground, Request, SpeedKind};
+pub use telemetry::Telemetry;
+pub use text::Severity;

@@ -50,6 +50,13 @@ pub struct Address {
     pub component: u8,
 }
 
+impl Address {
+    /// Whether a message for this target is for this address: 0 means everyone.
+    pub fn is_meant(self, system: u8, component: u8) -> bool {
+        (system == self.system || system == 0) && (component == self.component || component == 0)
+    }
+}
+
 /// A frame whose checksum is right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<'a> {
