@@ -379,7 +379,7 @@ fn reboot(p: &Parameters) -> Translated {
 /// Throttle in percent (type 0) or as a pulse of 1000 to 2000 µs (type 1), for some seconds.
 fn motor_test(p: &Parameters) -> Translated {
     let throttle = match p.number(2) {
-        0.0 => p.number(3) * 0.01,
+        0.0 => p.number(3) / 100.0,
         1.0 => (p.number(3) - 1000.0) * 1e-3,
         _ => return Err(CommandResult::Denied),
     };

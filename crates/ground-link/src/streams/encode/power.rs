@@ -57,9 +57,8 @@ pub(super) fn sys_status(source: &Source<'_>) -> Message {
 pub(super) fn battery_status(source: &Source<'_>) -> Message {
     let Battery { voltage, current, consumed, remaining, charge } = source.telemetry.battery;
     let mut voltages = [u16::MAX; 10];
-    if let [first, ..] = &mut voltages {
-        *first = word(voltage, 1000.0);
-    }
+    let [first, ..] = &mut voltages;
+    *first = word(voltage, 1000.0);
     Message::of(&BATTERY_STATUS_DATA {
         current_consumed: consumed.map_or(-1, |charge| scaled(charge / MAH, 1.0, -1, (0, i32::MAX))),
         energy_consumed: -1,
