@@ -50,7 +50,14 @@ mod tests {
             y: -85_455_938,
             z: 30.5,
         };
-        let items = [item, MissionItem { z: 31.0, autocontinue: false, ..item }];
+        let items = [
+            item,
+            MissionItem {
+                z: 31.0,
+                autocontinue: false,
+                ..item
+            },
+        ];
         assert_eq!(items.iter().fold(0, plan_crc), mission_crc(items));
         assert_eq!(mission_crc([]), 0);
     }

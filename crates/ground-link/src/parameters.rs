@@ -97,7 +97,9 @@ impl ParameterService {
 
     /// Sends one parameter, or the hash. What there is not is not answered.
     pub fn read(&mut self, payload: Payload<'_>, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read::<PARAM_REQUEST_READ_DATA>() else { return };
+        let Some(asked) = payload.read::<PARAM_REQUEST_READ_DATA>() else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -116,7 +118,9 @@ impl ParameterService {
     pub fn set(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
         // The type (byte 22) may be anything: the value is a float all the same.
         let real = (22, MavParamType::MAV_PARAM_TYPE_REAL32 as u8);
-        let Some(asked) = payload.read_with::<PARAM_SET_DATA>(&[real]) else { return };
+        let Some(asked) = payload.read_with::<PARAM_SET_DATA>(&[real]) else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -140,7 +144,15 @@ impl ParameterService {
         if let Err(refusal) = declaration.check(value) {
             return refuse(index, refusal, around);
         }
-        self.write(Write { index, value, deadline: around.now + WRITE_TIMEOUT }, from, around);
+        self.write(
+            Write {
+                index,
+                value,
+                deadline: around.now + WRITE_TIMEOUT,
+            },
+            from,
+            around,
+        );
     }
 
     /// A client that already knows all values says so by setting the hash: no more of the list.
@@ -161,10 +173,16 @@ impl ParameterService {
             value: write.value,
         };
         self.writes.retain(|other| other.index != write.index);
-        let order = Order { request, from, id: None };
+        let order = Order {
+            request,
+            from,
+            id: None,
+        };
         if self.writes.is_full() || !around.outbox.request(order) {
             around.outbox.reply(Reply::Parameter(write.index));
-            return around.outbox.say(Severity::Warning, format_args!("parameter not set: busy"));
+            return around
+                .outbox
+                .say(Severity::Warning, format_args!("parameter not set: busy"));
         }
         let _ = self.writes.push(write);
     }
@@ -180,7 +198,9 @@ impl ParameterService {
 
     /// Answers writes that the table shows, or has not shown in time.
     pub fn poll(&mut self, around: &mut Surroundings<'_>) {
-        let Surroundings { table, outbox, now, .. } = around;
+        let Surroundings {
+            table, outbox, now, ..
+        } = around;
         self.writes.retain(|write| {
             let shown = table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
             if shown || *now >= write.deadline {
@@ -201,14 +221,19 @@ impl ParameterService {
 
 fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
     around.outbox.reply(Reply::Parameter(index));
-    let name = around.table.declaration(index).map_or("", |declaration| declaration.name);
+    let name = around
+        .table
+        .declaration(index)
+        .map_or("", |declaration| declaration.name);
     match refusal {
         Refusal::OutOfRange { min, max } => {
             let (min, max) = (Decimal(min), Decimal(max));
             let text = format_args!("{name}: the range is {min} to {max}");
             around.outbox.say(Severity::Warning, text);
         }
-        other => around.outbox.say(Severity::Warning, format_args!("{name}: {other}")),
+        other => around
+            .outbox
+            .say(Severity::Warning, format_args!("{name}: {other}")),
     }
 }
 

@@ -44,7 +44,11 @@ pub(crate) fn centidegrees(angle: Option<f32>) -> u16 {
         return u16::MAX;
     };
     let wrapped = windhover_math::wrap_pi(angle);
-    let positive = if wrapped < 0.0 { wrapped + 2.0 * PI } else { wrapped };
+    let positive = if wrapped < 0.0 {
+        wrapped + 2.0 * PI
+    } else {
+        wrapped
+    };
     scaled(positive, 100.0 / DEGREE, 0u16, (0, 36_000)) % 36_000
 }
 
@@ -54,9 +58,18 @@ mod tests {
 
     #[test]
     fn what_is_no_number_or_too_large_stays_within_bounds() {
-        assert_eq!((integer(f64::NAN), integer(1e300), integer(-2.5)), (0, i32::MAX, -3));
-        assert_eq!((word(None, 1.0), word(Some(1e9), 1.0), word(Some(-1.0), 1.0)), (0xffff, 0xfffe, 0));
-        assert_eq!((short(f32::NAN, 1.0), short(1e9, 1.0), short(-1.234, 100.0)), (0, 0x7fff, -123));
+        assert_eq!(
+            (integer(f64::NAN), integer(1e300), integer(-2.5)),
+            (0, i32::MAX, -3)
+        );
+        assert_eq!(
+            (word(None, 1.0), word(Some(1e9), 1.0), word(Some(-1.0), 1.0)),
+            (0xffff, 0xfffe, 0)
+        );
+        assert_eq!(
+            (short(f32::NAN, 1.0), short(1e9, 1.0), short(-1.234, 100.0)),
+            (0, 0x7fff, -123)
+        );
         assert_eq!(set(f32::NAN), None);
     }
 

@@ -221,12 +221,27 @@ pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Channels> {
     };
     let d = &data;
     let [a, b, c, e, f, g, h, i] = [
-        d.chan1_raw, d.chan2_raw, d.chan3_raw, d.chan4_raw, d.chan5_raw, d.chan6_raw, d.chan7_raw, d.chan8_raw,
+        d.chan1_raw,
+        d.chan2_raw,
+        d.chan3_raw,
+        d.chan4_raw,
+        d.chan5_raw,
+        d.chan6_raw,
+        d.chan7_raw,
+        d.chan8_raw,
     ]
     .map(low);
     let [j, k, l, m, n, o, p, q, r, s] = [
-        d.chan9_raw, d.chan10_raw, d.chan11_raw, d.chan12_raw, d.chan13_raw, d.chan14_raw, d.chan15_raw,
-        d.chan16_raw, d.chan17_raw, d.chan18_raw,
+        d.chan9_raw,
+        d.chan10_raw,
+        d.chan11_raw,
+        d.chan12_raw,
+        d.chan13_raw,
+        d.chan14_raw,
+        d.chan15_raw,
+        d.chan16_raw,
+        d.chan17_raw,
+        d.chan18_raw,
     ]
     .map(high);
     Some(Channels {
@@ -250,7 +265,11 @@ fn masked([x, y, z]: [f32; 3], mask: u16, bit: u32) -> [Option<f32>; 3] {
 
 /// With bit 9 the accelerations are forces: those are not followed.
 fn forceless(mask: u16) -> u16 {
-    if mask & 1 << 9 == 0 { mask } else { mask | 0b111 << 6 }
+    if mask & 1 << 9 == 0 {
+        mask
+    } else {
+        mask | 0b111 << 6
+    }
 }
 
 impl Setpoint {

@@ -132,7 +132,9 @@ impl Signing {
     /// The signature for a frame that goes out at `now` (µs).
     pub fn sign(&mut self, covered: &[u8], now: u64) -> [u8; SIGNATURE] {
         let mut signature = [0; SIGNATURE];
-        let Some(key) = &mut self.key else { return signature };
+        let Some(key) = &mut self.key else {
+            return signature;
+        };
         let time = key.at(now).max(key.last.saturating_add(1));
         key.last = time;
         let hash = key.hash(covered, self.link, time);
@@ -150,13 +152,7 @@ enum Admission {
     Crowded,
 }
 
-fn admit(
-    streams: &mut Vec<Stream, STREAMS>,
-    sender: Address,
-    link: u8,
-    time: u64,
-    now: u64,
-) -> Admission {
+fn admit(streams: &mut Vec<Stream, STREAMS>, sender: Address, link: u8, time: u64, now: u64) -> Admission {
     let known = streams
         .iter_mut()
         .find(|stream| stream.sender == sender && stream.link == link);
@@ -272,7 +268,11 @@ mod tests {
     fn everything_passes_without_a_key() {
         let mut vehicle = Signing::new(0);
         assert!(accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
-        assert!(accepts(&mut vehicle, &frame(Some(&mut station(1, TIME)), 255, 76, 0), 0));
+        assert!(accepts(
+            &mut vehicle,
+            &frame(Some(&mut station(1, TIME)), 255, 76, 0),
+            0
+        ));
         assert_eq!(vehicle.refusals(), Refusals::default());
     }
 
@@ -282,7 +282,11 @@ mod tests {
         assert!(!accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
         assert!(accepts(&mut vehicle, &frame(None, 255, 0, 0), 0));
         assert!(accepts(&mut vehicle, &frame(None, 51, 109, 0), 0));
-        assert!(accepts(&mut vehicle, &frame(Some(&mut station(1, TIME)), 255, 76, 0), 0));
+        assert!(accepts(
+            &mut vehicle,
+            &frame(Some(&mut station(1, TIME)), 255, 76, 0),
+            0
+        ));
         let mut stranger = Signing::new(1);
         stranger.set_key([8; 32], TIME, 0);
         assert!(!accepts(&mut vehicle, &frame(Some(&mut stranger), 255, 76, 0), 0));

@@ -52,11 +52,11 @@ impl Severity {
     }
 }
 
-/// A line of text that ends where it is full.
+/// A line of text of at most so many bytes, that ends where it is full.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Line(String<LINE>);
+pub struct Line<const LENGTH: usize = LINE>(String<LENGTH>);
 
-impl Line {
+impl<const LENGTH: usize> Line<LENGTH> {
     /// What `text` says, as far as it fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
         let mut line = Self::default();
@@ -70,7 +70,7 @@ impl Line {
     }
 }
 
-impl Write for Line {
+impl<const LENGTH: usize> Write for Line<LENGTH> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for letter in text.chars() {
             self.0.push(letter).map_err(|_| fmt::Error)?;
@@ -96,7 +96,11 @@ impl fmt::Display for Decimal {
         if rest >= 10_000 {
             (whole, rest) = (whole + 1, 0);
         }
-        let sign = if self.0 < 0.0 && (whole, rest) != (0, 0) { "-" } else { "" };
+        let sign = if self.0 < 0.0 && (whole, rest) != (0, 0) {
+            "-"
+        } else {
+            ""
+        };
         write!(f, "{sign}{whole}")?;
         let mut digits = 4;
         while rest != 0 && rest % 10 == 0 {
@@ -196,8 +200,18 @@ mod tests {
         texts.say(Severity::Error, format_args!("{:b<100}", ""));
         let parts = parts(&mut texts);
         assert_eq!(parts[0], (0, 0, "ready".into()));
-        let lengths: Vec<_> = parts.iter().map(|(id, part, text)| (*id, *part, text.len())).collect();
-        let long = [(2, 0, 50), (2, 1, 50), (2, 2, 20), (3, 0, 50), (3, 1, 50), (3, 2, 0)];
+        let lengths: Vec<_> = parts
+            .iter()
+            .map(|(id, part, text)| (*id, *part, text.len()))
+            .collect();
+        let long = [
+            (2, 0, 50),
+            (2, 1, 50),
+            (2, 2, 20),
+            (3, 0, 50),
+            (3, 1, 50),
+            (3, 2, 0),
+        ];
         assert_eq!(lengths[1..], long);
     }
 
@@ -208,7 +222,7 @@ mod tests {
             texts.say(Severity::Info, format_args!("{:ä<300}", ""));
         }
         assert_eq!(texts.dropped(), 3);
-        assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+        assert_eq!(<Line>::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
     }
 
     #[test]

@@ -148,8 +148,15 @@ fn on_a_bad_link_250_items_arrive_and_come_back_bit_for_bit() {
         let mut field = Field::new(Channel::bad(seed), Channel::bad(seed + 1000));
         let items = plan(250, seed as u32);
         let (result, up) = upload(&mut field, &items, 300_000_000);
-        assert_eq!(result, Some(MavMissionResult::MAV_MISSION_ACCEPTED), "seed {seed}");
-        assert!(equal(field.vehicle.store.items(PlanKind::Mission), &items), "seed {seed}");
+        assert_eq!(
+            result,
+            Some(MavMissionResult::MAV_MISSION_ACCEPTED),
+            "seed {seed}"
+        );
+        assert!(
+            equal(field.vehicle.store.items(PlanKind::Mission), &items),
+            "seed {seed}"
+        );
         let (back, down) = download(&mut field, 300_000_000);
         assert!(equal(&back.expect("in time"), &items), "seed {seed}");
         assert_eq!(field.vehicle.store.commits, 1, "seed {seed}");
@@ -211,7 +218,10 @@ fn a_command_that_is_repeated_until_it_is_acknowledged_acts_once() {
     for seed in 1..=50 {
         let mut field = Field::new(Channel::bad(seed), Channel::bad(seed + 500));
         field.vehicle.answer = |_| Some(CommandResult::Denied);
-        let mut command = long(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0, 0.0, NAN, NAN, NAN, NAN, NAN]);
+        let mut command = long(
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+            [1.0, 0.0, NAN, NAN, NAN, NAN, NAN],
+        );
         let (mut sent, mut result) = (0, None);
         for _ in 0..10_000_000 / STEP {
             if field.now - sent > 200_000 && result.is_none() {
@@ -224,7 +234,11 @@ fn a_command_that_is_repeated_until_it_is_acknowledged_acts_once() {
             }
         }
         assert_eq!(result, Some(MavResult::MAV_RESULT_DENIED), "seed {seed}");
-        assert_eq!(field.vehicle.requests(), [Request::Arm { force: false }], "seed {seed}");
+        assert_eq!(
+            field.vehicle.requests(),
+            [Request::Arm { force: false }],
+            "seed {seed}"
+        );
     }
 }
 
@@ -258,7 +272,10 @@ fn all_parameters_arrive_on_a_bad_link() {
 
 fn ask_parameters(field: &mut Field, values: &[Option<f32>]) {
     if values.iter().all(Option::is_none) {
-        return field.send(&PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 });
+        return field.send(&PARAM_REQUEST_LIST_DATA {
+            target_system: 1,
+            target_component: 1,
+        });
     }
     let missing = values.iter().enumerate().filter(|(_, value)| value.is_none());
     for (index, _) in missing.take(10) {
@@ -275,7 +292,10 @@ fn ask_parameters(field: &mut Field, values: &[Option<f32>]) {
 #[test]
 fn a_narrow_channel_carries_no_more_than_its_bytes() {
     let mut field = Field::new(Channel::clean(), Channel::clean());
-    field.vehicle = Vehicle::with(Config { bandwidth: 600, ..Config::default() });
+    field.vehicle = Vehicle::with(Config {
+        bandwidth: 600,
+        ..Config::default()
+    });
     field.vehicle.telemetry.attitude = Some(windhover_math::Quaternion::IDENTITY);
     field.vehicle.telemetry.global = Some(windhover_math::geodesy::GlobalPosition::default());
     let (mut bytes, mut heartbeats) = (0, 0);

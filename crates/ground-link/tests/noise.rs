@@ -11,7 +11,8 @@ use windhover_ground_link::{CommandResult, PlanKind};
 
 /// The messages that the link acts on.
 const UNDERSTOOD: [u32; 27] = [
-    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110, 111,
+    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110,
+    111,
 ];
 
 /// A bench whose vehicle refuses all that can be refused.
@@ -26,7 +27,12 @@ fn still_answers(bench: &mut Bench) {
     bench.run(1_000_000);
     let command = long(MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH, [NAN; 7]);
     assert_eq!(all::<COMMAND_ACK_DATA>(&bench.ask(&command)).len(), 1);
-    let read = PARAM_REQUEST_READ_DATA { param_index: 0, target_system: 1, target_component: 1, ..PARAM_REQUEST_READ_DATA::DEFAULT };
+    let read = PARAM_REQUEST_READ_DATA {
+        param_index: 0,
+        target_system: 1,
+        target_component: 1,
+        ..PARAM_REQUEST_READ_DATA::DEFAULT
+    };
     assert_eq!(all::<PARAM_VALUE_DATA>(&bench.ask(&read)).len(), 1);
     bench.run(12_000_000);
     let seen = bench.ask(&count(3, MavMissionType::MAV_MISSION_TYPE_MISSION));
@@ -93,12 +99,29 @@ fn a_hundred_thousand_valid_frames_with_any_content() {
                 accepted += accepted_plans(&bench.run(STEP));
             }
         }
-        let writes = bench.vehicle.orders.iter().filter(|order| order.id.is_none()).count();
-        assert!(bench.vehicle.orders.len() > 20, "{} orders", bench.vehicle.orders.len());
+        let writes = bench
+            .vehicle
+            .orders
+            .iter()
+            .filter(|order| order.id.is_none())
+            .count();
+        assert!(
+            bench.vehicle.orders.len() > 20,
+            "{} orders",
+            bench.vehicle.orders.len()
+        );
         let names = bench.vehicle.parameters == before;
         assert!(names || writes > 0, "a parameter changes only by a request");
-        assert_eq!((bench.vehicle.store.commits, accepted), (0, 0), "nothing was accepted");
-        assert!(PlanKind::EACH.iter().all(|kind| bench.vehicle.store.items(*kind).is_empty()));
+        assert_eq!(
+            (bench.vehicle.store.commits, accepted),
+            (0, 0),
+            "nothing was accepted"
+        );
+        assert!(
+            PlanKind::EACH
+                .iter()
+                .all(|kind| bench.vehicle.store.items(*kind).is_empty())
+        );
         still_answers(&mut bench);
         let counters = bench.vehicle.link.counters();
         println!("seed {seed}: {} orders, {counters:?}", bench.vehicle.orders.len());
@@ -107,7 +130,8 @@ fn a_hundred_thousand_valid_frames_with_any_content() {
 
 fn accepted_plans(seen: &[Seen]) -> usize {
     let acks = seen.iter().filter(|seen| seen.id == 47);
-    acks.filter(|ack| ack.payload.get(2).is_none_or(|result| *result == 0)).count()
+    acks.filter(|ack| ack.payload.get(2).is_none_or(|result| *result == 0))
+        .count()
 }
 
 /// Frames of a real upload, damaged: what is stored is whole or not there.
@@ -124,7 +148,9 @@ fn damaged_frames_never_make_half_a_plan() {
                 0..=2 => bench.station.frame(&count(20, kind)),
                 index => {
                     let index = index.min(22) - 3;
-                    bench.station.frame(&item_data(&items[usize::from(index)], index, kind))
+                    bench
+                        .station
+                        .frame(&item_data(&items[usize::from(index)], index, kind))
                 }
             };
             if random.percent(20) {

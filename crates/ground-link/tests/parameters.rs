@@ -26,7 +26,10 @@ fn read(name: &str, index: i16) -> PARAM_REQUEST_READ_DATA {
     }
 }
 
-const LIST: PARAM_REQUEST_LIST_DATA = PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 };
+const LIST: PARAM_REQUEST_LIST_DATA = PARAM_REQUEST_LIST_DATA {
+    target_system: 1,
+    target_component: 1,
+};
 
 #[test]
 fn the_list_has_every_parameter_once_as_a_float() {
@@ -46,7 +49,10 @@ fn the_list_has_every_parameter_once_as_a_float() {
 #[test]
 fn the_list_goes_at_the_pace_of_the_channel() {
     let bandwidth = 2_000;
-    let mut bench = Bench::with(Vehicle::with(Config { bandwidth, ..Config::default() }));
+    let mut bench = Bench::with(Vehicle::with(Config {
+        bandwidth,
+        ..Config::default()
+    }));
     bench.run(1_000_000);
     let began = bench.now;
     let mut got = all::<PARAM_VALUE_DATA>(&bench.ask(&LIST)).len();
@@ -66,9 +72,17 @@ fn one_is_read_by_name_and_by_index() {
     for asked in [read(name, -1), read("", index as i16)] {
         let values: Vec<PARAM_VALUE_DATA> = all(&bench.ask(&asked));
         assert_eq!(values.len(), 1);
-        assert_eq!((usize::from(values[0].param_index), values[0].param_id.to_str()), (index, Ok(name)));
+        assert_eq!(
+            (usize::from(values[0].param_index), values[0].param_id.to_str()),
+            (index, Ok(name))
+        );
     }
-    for asked in [read("NO_SUCH_NAME", -1), read("", 30_000), read("", -2), read("MOT_IDL", -1)] {
+    for asked in [
+        read("NO_SUCH_NAME", -1),
+        read("", 30_000),
+        read("", -2),
+        read("MOT_IDL", -1),
+    ] {
         assert!(all::<PARAM_VALUE_DATA>(&bench.ask(&asked)).is_empty());
     }
 }
@@ -80,9 +94,16 @@ fn a_value_in_range_is_set_and_what_the_table_then_holds_is_sent_back() {
     assert_eq!(values.len(), 1);
     assert_eq!(values[0].param_value, 0.125);
     let index = Parameters::find("MOT_IDLE").unwrap() as u16;
-    assert_eq!(bench.vehicle.requests(), [Request::WriteParameter { index, value: 0.125 }]);
+    assert_eq!(
+        bench.vehicle.requests(),
+        [Request::WriteParameter { index, value: 0.125 }]
+    );
     let again: Vec<PARAM_VALUE_DATA> = all(&bench.ask(&set("MOT_IDLE", 0.125)));
-    assert_eq!((again.len(), bench.vehicle.orders.len()), (1, 1), "nothing to be done");
+    assert_eq!(
+        (again.len(), bench.vehicle.orders.len()),
+        (1, 1),
+        "nothing to be done"
+    );
 }
 
 #[test]
@@ -102,7 +123,10 @@ fn a_value_that_cannot_be_is_answered_with_the_old_one_and_the_range() {
         assert!(bench.vehicle.orders.is_empty());
     }
     let mut bench = Bench::new();
-    assert_eq!(texts(&bench.ask(&set("NOTHING", 1.0))), ["NOTHING: there is no such parameter"]);
+    assert_eq!(
+        texts(&bench.ask(&set("NOTHING", 1.0))),
+        ["NOTHING: there is no such parameter"]
+    );
 }
 
 #[test]
@@ -120,7 +144,10 @@ fn a_write_that_the_vehicle_does_not_take_is_answered_with_what_it_holds() {
     link.parameter_refused(index, refusal, parameters, bench.now);
     let seen = bench.run(2 * STEP);
     assert_eq!(all::<PARAM_VALUE_DATA>(&seen)[0].param_value, 0.08);
-    assert_eq!(texts(&seen), ["MOT_IDLE: it does not go with the other parameters"]);
+    assert_eq!(
+        texts(&seen),
+        ["MOT_IDLE: it does not go with the other parameters"]
+    );
 }
 
 /// CRC-32 as QGroundControl computes it, bit by bit, over names in order.
@@ -130,7 +157,10 @@ fn the_hash_is_the_one_that_clients_compute_over_what_they_know() {
     let mut known: Vec<_> = (0..Parameters::COUNT as u16)
         .map(|index| {
             let table: &dyn ParameterTable = &bench.vehicle.parameters;
-            (table.declaration(index).unwrap().name, table.value(index).unwrap())
+            (
+                table.declaration(index).unwrap().name,
+                table.value(index).unwrap(),
+            )
         })
         .collect();
     known.sort_by_key(|(name, _)| *name);
@@ -139,14 +169,21 @@ fn the_hash_is_the_one_that_clients_compute_over_what_they_know() {
         for byte in name.bytes().chain(value.to_le_bytes()) {
             state ^= u32::from(byte);
             for _ in 0..8 {
-                state = if state & 1 == 1 { state >> 1 ^ 0xedb8_8320 } else { state >> 1 };
+                state = if state & 1 == 1 {
+                    state >> 1 ^ 0xedb8_8320
+                } else {
+                    state >> 1
+                };
             }
         }
     }
     let values: Vec<PARAM_VALUE_DATA> = all(&bench.ask(&read("_HASH_CHECK", -1)));
     assert_eq!((values.len(), values[0].param_value.to_bits()), (1, state));
     // A client that knows all stops the list with it.
-    bench.vehicle.link = windhover_ground_link::Link::new(Config { bandwidth: 1_000, ..Config::default() });
+    bench.vehicle.link = windhover_ground_link::Link::new(Config {
+        bandwidth: 1_000,
+        ..Config::default()
+    });
     bench.ask(&LIST);
     let hash = f32::from_bits(state);
     let after = bench.ask(&set("_HASH_CHECK", hash));

@@ -22,7 +22,10 @@ fn requested(seen: &[Seen]) -> Vec<u16> {
 }
 
 fn results(seen: &[Seen]) -> Vec<R> {
-    all(seen).iter().map(|ack: &MISSION_ACK_DATA| ack.mavtype).collect()
+    all(seen)
+        .iter()
+        .map(|ack: &MISSION_ACK_DATA| ack.mavtype)
+        .collect()
 }
 
 /// Uploads; how it ended.
@@ -42,15 +45,28 @@ fn upload(bench: &mut Bench, items: &[MissionItem], kind: MavMissionType) -> R {
 }
 
 fn list(kind: MavMissionType) -> MISSION_REQUEST_LIST_DATA {
-    MISSION_REQUEST_LIST_DATA { target_system: 1, target_component: 1, mission_type: kind }
+    MISSION_REQUEST_LIST_DATA {
+        target_system: 1,
+        target_component: 1,
+        mission_type: kind,
+    }
 }
 
 fn request(seq: u16, kind: MavMissionType) -> MISSION_REQUEST_INT_DATA {
-    MISSION_REQUEST_INT_DATA { seq, target_system: 1, target_component: 1, mission_type: kind }
+    MISSION_REQUEST_INT_DATA {
+        seq,
+        target_system: 1,
+        target_component: 1,
+        mission_type: kind,
+    }
 }
 
 fn clear(kind: MavMissionType) -> MISSION_CLEAR_ALL_DATA {
-    MISSION_CLEAR_ALL_DATA { target_system: 1, target_component: 1, mission_type: kind }
+    MISSION_CLEAR_ALL_DATA {
+        target_system: 1,
+        target_component: 1,
+        mission_type: kind,
+    }
 }
 
 fn download(bench: &mut Bench, kind: MavMissionType) -> Vec<String> {
@@ -71,11 +87,17 @@ fn mission_fence_and_rally_points_go_up_and_come_back_as_they_were() {
     for (salt, kind) in [MISSION, FENCE, RALLY].into_iter().enumerate() {
         let items = plan(5 + salt as u16, salt as u32 * 100);
         assert_eq!(upload(&mut bench, &items, kind), R::MAV_MISSION_ACCEPTED);
-        assert_eq!(download(&mut bench, kind), items.iter().map(bits).collect::<Vec<_>>());
+        assert_eq!(
+            download(&mut bench, kind),
+            items.iter().map(bits).collect::<Vec<_>>()
+        );
     }
     let lengths: Vec<_> = bench.vehicle.store.bits().iter().map(Vec::len).collect();
     assert_eq!(lengths, [5, 6, 7]);
-    assert!(upload(&mut bench, &plan(256, 3), MISSION) == R::MAV_MISSION_ACCEPTED, "as many as fit");
+    assert!(
+        upload(&mut bench, &plan(256, 3), MISSION) == R::MAV_MISSION_ACCEPTED,
+        "as many as fit"
+    );
 }
 
 #[test]
@@ -85,13 +107,28 @@ fn clearing_one_kind_or_all() {
         upload(&mut bench, &plan(4, 0), kind);
     }
     assert_eq!(results(&bench.ask(&clear(FENCE))), [R::MAV_MISSION_ACCEPTED]);
-    let lengths = |bench: &Bench| bench.vehicle.store.bits().iter().map(Vec::len).collect::<Vec<_>>();
+    let lengths = |bench: &Bench| {
+        bench
+            .vehicle
+            .store
+            .bits()
+            .iter()
+            .map(Vec::len)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(lengths(&bench), [4, 0, 4]);
     let acks: Vec<MISSION_ACK_DATA> = all(&bench.ask(&clear(ALL)));
-    assert_eq!((acks[0].mavtype, acks[0].mission_type), (R::MAV_MISSION_ACCEPTED, ALL));
+    assert_eq!(
+        (acks[0].mavtype, acks[0].mission_type),
+        (R::MAV_MISSION_ACCEPTED, ALL)
+    );
     assert_eq!(lengths(&bench), [0, 0, 0]);
     upload(&mut bench, &plan(4, 0), MISSION);
-    assert_eq!(upload(&mut bench, &[], MISSION), R::MAV_MISSION_ACCEPTED, "an empty plan clears");
+    assert_eq!(
+        upload(&mut bench, &[], MISSION),
+        R::MAV_MISSION_ACCEPTED,
+        "an empty plan clears"
+    );
     assert_eq!(lengths(&bench), [0, 0, 0]);
 }
 
@@ -102,7 +139,10 @@ fn what_does_not_fit_or_cannot_be_flown_is_refused_with_its_reason_and_changes_n
     let before = bench.vehicle.store.bits();
     let seen = bench.ask(&count(257, MISSION));
     assert_eq!(results(&seen), [R::MAV_MISSION_NO_SPACE]);
-    assert_eq!(texts(&bench_texts(&mut bench, seen)), ["mission refused: 257 items, there is room for 256"]);
+    assert_eq!(
+        texts(&bench_texts(&mut bench, seen)),
+        ["mission refused: 257 items, there is room for 256"]
+    );
     bench.ask(&count(2, MISSION));
     let good = bench.station.frame(&item_data(&plan(1, 0)[0], 0, MISSION));
     let mut payload = good[10..good.len() - 2].to_vec();
@@ -111,7 +151,10 @@ fn what_does_not_fit_or_cannot_be_flown_is_refused_with_its_reason_and_changes_n
     let bytes = bench.station.raw(73, &payload);
     let seen = bench.bytes(&bytes);
     assert_eq!(results(&seen), [R::MAV_MISSION_UNSUPPORTED]);
-    assert_eq!(texts(&bench_texts(&mut bench, seen)), ["mission refused: item 0: this is not flown"]);
+    assert_eq!(
+        texts(&bench_texts(&mut bench, seen)),
+        ["mission refused: item 0: this is not flown"]
+    );
     bench.vehicle.store.refuse_commit = true;
     assert_eq!(upload(&mut bench, &plan(3, 9), MISSION), R::MAV_MISSION_DENIED);
     assert_eq!(bench.vehicle.store.bits(), before);
@@ -134,9 +177,17 @@ fn a_type_that_there_is_not_is_unsupported() {
         (37, vec![0, 0, 0, 0, 1, 1, 0]),
     ] {
         let bytes = bench.station.raw(id, &payload);
-        let acks: Vec<_> = bench.bytes(&bytes).into_iter().filter(|seen| seen.id == 47).collect();
+        let acks: Vec<_> = bench
+            .bytes(&bytes)
+            .into_iter()
+            .filter(|seen| seen.id == 47)
+            .collect();
         assert_eq!(acks.len(), 1, "message {id}");
-        assert_eq!(acks[0].payload[2], R::MAV_MISSION_UNSUPPORTED as u8, "message {id}");
+        assert_eq!(
+            acks[0].payload[2],
+            R::MAV_MISSION_UNSUPPORTED as u8,
+            "message {id}"
+        );
     }
 }
 
@@ -173,7 +224,10 @@ fn a_plan_that_changes_during_a_download_ends_it() {
     assert_eq!(all::<MISSION_COUNT_DATA>(&bench.bytes(&frame)).len(), 1);
     upload(&mut bench, &plan(6, 9), MISSION);
     let frame = other.frame(&request(3, MISSION));
-    assert_eq!(results(&bench.bytes(&frame)), [R::MAV_MISSION_OPERATION_CANCELLED]);
+    assert_eq!(
+        results(&bench.bytes(&frame)),
+        [R::MAV_MISSION_OPERATION_CANCELLED]
+    );
     let frame = other.frame(&request(6, MISSION));
     assert_eq!(results(&bench.bytes(&frame)), [R::MAV_MISSION_INVALID_SEQUENCE]);
 }
@@ -204,8 +258,8 @@ fn an_old_item_that_comes_again_is_not_answered() {
     bench.ask(&count(5, MISSION));
     for index in 0..3 {
         bench.ask(&item_data(&items[index], index as u16, MISSION));
-        for old in 0..=index {
-            let seen = bench.ask(&item_data(&items[old], old as u16, MISSION));
+        for (old, item) in items.iter().enumerate().take(index + 1) {
+            let seen = bench.ask(&item_data(item, old as u16, MISSION));
             assert!(requested(&seen).is_empty() && results(&seen).is_empty());
         }
     }
@@ -225,7 +279,11 @@ fn the_end_is_told_again_when_the_last_item_comes_again_and_otherwise_not() {
     assert_eq!(again(&mut bench, 2), [R::MAV_MISSION_ACCEPTED]);
     assert_eq!(bench.vehicle.store.commits, 1);
     bench.run(2_000_000);
-    assert_eq!(again(&mut bench, 1), [R::MAV_MISSION_ERROR], "nobody asked for it");
+    assert_eq!(
+        again(&mut bench, 1),
+        [R::MAV_MISSION_ERROR],
+        "nobody asked for it"
+    );
 }
 
 #[test]
@@ -256,7 +314,11 @@ fn a_client_may_cancel_and_start_again() {
     assert!(results(&seen).is_empty(), "no answer to an answer");
     assert!(requested(&bench.run(1_000_000)).is_empty());
     bench.ask(&count(3, MISSION));
-    assert_eq!(upload(&mut bench, &items, MISSION), R::MAV_MISSION_ACCEPTED, "without cancelling first");
+    assert_eq!(
+        upload(&mut bench, &items, MISSION),
+        R::MAV_MISSION_ACCEPTED,
+        "without cancelling first"
+    );
 }
 
 #[test]
@@ -308,7 +370,10 @@ fn progress_is_told_when_it_changes() {
     bench.vehicle.link.item_reached(2);
     let seen = bench.run(STEP);
     let current: Vec<MISSION_CURRENT_DATA> = all(&seen);
-    assert_eq!((current[0].seq, current[0].total, current[0].mission_mode), (3, 6, 1));
+    assert_eq!(
+        (current[0].seq, current[0].total, current[0].mission_mode),
+        (3, 6, 1)
+    );
     let crc = bench.vehicle.store.committed(PlanKind::Mission).crc;
     assert_eq!(current[0].mission_id, crc);
     let reached: Vec<MISSION_ITEM_REACHED_DATA> = all(&seen);
@@ -321,7 +386,11 @@ fn the_current_item_is_set_if_there_is_one() {
     upload(&mut bench, &plan(6, 0), MISSION);
     for seq in [4, 6] {
         bench.run(300_000);
-        let asked = MISSION_SET_CURRENT_DATA { seq, target_system: 1, target_component: 1 };
+        let asked = MISSION_SET_CURRENT_DATA {
+            seq,
+            target_system: 1,
+            target_component: 1,
+        };
         let seen = bench.ask(&asked);
         assert_eq!(all::<MISSION_CURRENT_DATA>(&seen).len(), 1);
     }

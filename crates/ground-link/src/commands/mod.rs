@@ -120,7 +120,12 @@ struct Arrival {
 
 impl CommandService {
     /// `COMMAND_LONG`. What is to be done by the link itself comes back.
-    pub fn long(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) -> Option<Ours> {
+    pub fn long(
+        &mut self,
+        payload: Payload<'_>,
+        from: Address,
+        around: &mut Surroundings<'_>,
+    ) -> Option<Ours> {
         let data: COMMAND_LONG_DATA = payload.read_command(COMMAND, None)?;
         if !around.own.is_meant(data.target_system, data.target_component) {
             return None;
@@ -135,7 +140,12 @@ impl CommandService {
     }
 
     /// `COMMAND_INT`.
-    pub fn int(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) -> Option<Ours> {
+    pub fn int(
+        &mut self,
+        payload: Payload<'_>,
+        from: Address,
+        around: &mut Surroundings<'_>,
+    ) -> Option<Ours> {
         let data: COMMAND_INT_DATA = payload.read_command(COMMAND, Some(FRAME))?;
         if !around.own.is_meant(data.target_system, data.target_component) {
             return None;
@@ -172,7 +182,9 @@ impl CommandService {
         let same = |entry: &&Entry| {
             (entry.from, entry.command, entry.digest) == (from, arrival.command, arrival.digest)
         };
-        let Some(entry) = self.entries.iter().rev().find(same) else { return false };
+        let Some(entry) = self.entries.iter().rev().find(same) else {
+            return false;
+        };
         match entry.result {
             None => {
                 if entry.in_progress {
@@ -193,7 +205,11 @@ impl CommandService {
     /// Hands a request on, to be answered later.
     fn ask(&mut self, arrival: &Arrival, from: Address, request: Request, around: &mut Surroundings<'_>) {
         let id = CommandId(self.last);
-        let order = Order { request, from, id: Some(id) };
+        let order = Order {
+            request,
+            from,
+            id: Some(id),
+        };
         if !self.has_room() || !around.outbox.request(order) {
             let busy = CommandResult::TemporarilyRejected;
             return acknowledge(around.outbox, from, arrival.command, busy);
@@ -273,7 +289,12 @@ fn digest(payload: Payload<'_>, length: usize) -> u16 {
 
 /// Puts an acknowledgement at the end of the answers.
 pub(crate) fn acknowledge(outbox: &mut Outbox, to: Address, command: u16, result: CommandResult) {
-    outbox.reply(Reply::Command { to, command, result, progress: UNKNOWN });
+    outbox.reply(Reply::Command {
+        to,
+        command,
+        result,
+        progress: UNKNOWN,
+    });
 }
 
 /// `COMMAND_ACK`.

@@ -183,7 +183,11 @@ impl Parameters {
     fn place(&self) -> Option<Place> {
         let Ground { latitude, longitude } = self.ground?;
         let altitude = self.altitude(Altitude::SeaLevel)?;
-        Some(Place { latitude, longitude, altitude })
+        Some(Place {
+            latitude,
+            longitude,
+            altitude,
+        })
     }
 }
 
@@ -235,16 +239,21 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
         number::DO_SET_MISSION_CURRENT => index(p, 1).map(|index| Request::SetCurrentItem { index }),
         number::DO_SET_HOME => home(p),
         number::DO_SET_ROI_NONE => Ok(Request::LookAt(None)),
-        number::DO_SET_ROI_LOCATION | number::DO_SET_ROI => {
-            p.place().map(|place| Request::LookAt(Some(place))).ok_or(CommandResult::Denied)
-        }
+        number::DO_SET_ROI_LOCATION | number::DO_SET_ROI => p
+            .place()
+            .map(|place| Request::LookAt(Some(place)))
+            .ok_or(CommandResult::Denied),
         number::RUN_PREARM_CHECKS => Ok(Request::CheckArming),
         number::PREFLIGHT_CALIBRATION => calibration(p),
         number::PREFLIGHT_STORAGE => storage(p),
         number::PREFLIGHT_REBOOT_SHUTDOWN => reboot(p),
         number::DO_MOTOR_TEST => motor_test(p),
         number::ACTUATOR_TEST => actuator_test(p),
-        _ => return camera(command, p).or_else(|| messages(command, p)).unwrap_or(UNSUPPORTED),
+        _ => {
+            return camera(command, p)
+                .or_else(|| messages(command, p))
+                .unwrap_or(UNSUPPORTED);
+        }
     };
     request.map_or_else(Meaning::Answer, Meaning::Request)
 }
@@ -417,9 +426,17 @@ fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
             count: p.number(3) as u32,
         },
         number::IMAGE_STOP_CAPTURE => Request::StopPhotos,
-        number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Request::TakePhotos { interval: 0.0, count: 1 },
-        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) => Request::TakePhotos { interval: 0.0, count: 1 },
-        number::DO_SET_CAM_TRIGG_DIST => Request::PhotosByDistance { distance: p.number(1) },
+        number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Request::TakePhotos {
+            interval: 0.0,
+            count: 1,
+        },
+        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) => Request::TakePhotos {
+            interval: 0.0,
+            count: 1,
+        },
+        number::DO_SET_CAM_TRIGG_DIST => Request::PhotosByDistance {
+            distance: p.number(1),
+        },
         _ => return None,
     };
     Some(match request {
@@ -433,9 +450,18 @@ fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
 fn messages(command: u16, p: &Parameters) -> Option<Meaning> {
     let message = p.number(1) as u32;
     Some(Meaning::Ours(match command {
-        number::GET_HOME_POSITION => Ours::Once { command, message: 242 },
-        number::REQUEST_PROTOCOL_VERSION => Ours::Once { command, message: 300 },
-        number::REQUEST_AUTOPILOT_CAPABILITIES => Ours::Once { command, message: 148 },
+        number::GET_HOME_POSITION => Ours::Once {
+            command,
+            message: 242,
+        },
+        number::REQUEST_PROTOCOL_VERSION => Ours::Once {
+            command,
+            message: 300,
+        },
+        number::REQUEST_AUTOPILOT_CAPABILITIES => Ours::Once {
+            command,
+            message: 148,
+        },
         number::REQUEST_MESSAGE => Ours::Once { command, message },
         number::GET_MESSAGE_INTERVAL => Ours::Interval { message },
         number::SET_MESSAGE_INTERVAL => Ours::Every {

@@ -165,6 +165,9 @@ fn seed(id: u32) -> Option<u8> {
     (seed != 0).then_some(seed)
 }
 
+/// Makes a signature from all that goes before it.
+pub type Sign<'a> = &'a mut dyn FnMut(&[u8]) -> [u8; SIGNATURE];
+
 /// Writes frames of MAVLink 2, each with the next sequence number.
 #[derive(Clone, Debug)]
 pub struct Writer {
@@ -185,7 +188,7 @@ impl Writer {
         buffer: &mut [u8; MAX_FRAME],
         id: u32,
         payload: &[u8],
-        sign: Option<&mut dyn FnMut(&[u8]) -> [u8; SIGNATURE]>,
+        sign: Option<Sign<'_>>,
     ) -> Option<usize> {
         let payload = without_zeros(payload);
         let length = u8::try_from(payload.len()).ok()?;
@@ -194,8 +197,9 @@ impl Writer {
         let flags = u8::from(sign.is_some());
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        *buffer.first_chunk_mut()? =
-            [START_2, length, flags, 0, sequence, system, component, low, middle, high];
+        *buffer.first_chunk_mut()? = [
+            START_2, length, flags, 0, sequence, system, component, low, middle, high,
+        ];
         let end = HEADER + payload.len();
         put(buffer.get_mut(HEADER..end)?, payload);
         let crc = crc::update(crc::START, buffer.get(1..end)?);

@@ -82,14 +82,24 @@ impl Core {
 
     /// `MISSION_SET_CURRENT`: the answer is what is current then.
     fn set_current(&mut self, payload: Payload<'_>, from: Address, now: u64, context: &Context<'_>) {
-        let Some(asked) = payload.read::<wire::MISSION_SET_CURRENT_DATA>() else { return };
-        if !self.config.address.is_meant(asked.target_system, asked.target_component) {
+        let Some(asked) = payload.read::<wire::MISSION_SET_CURRENT_DATA>() else {
+            return;
+        };
+        if !self
+            .config
+            .address
+            .is_meant(asked.target_system, asked.target_component)
+        {
             return;
         }
         let index = asked.seq;
         if index < context.plans.committed(mission::PlanKind::Mission).count {
             let request = Request::SetCurrentItem { index };
-            self.outbox.request(Order { request, from, id: None });
+            self.outbox.request(Order {
+                request,
+                from,
+                id: None,
+            });
         } else {
             let text = format_args!("mission has no item {index}");
             self.outbox.say(Severity::Warning, text);
@@ -165,7 +175,9 @@ impl Core {
 
     /// `SET_MODE`, of clients that know no commands.
     fn set_mode(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SET_MODE_DATA>() else { return };
+        let Some(asked) = payload.read::<wire::SET_MODE_DATA>() else {
+            return;
+        };
         let custom = asked
             .base_mode
             .contains(wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
@@ -174,7 +186,11 @@ impl Core {
         }
         if let Some(mode) = Mode::from_custom(asked.custom_mode) {
             let request = Request::SetMode(mode);
-            self.outbox.request(Order { request, from, id: None });
+            self.outbox.request(Order {
+                request,
+                from,
+                id: None,
+            });
         }
     }
 
@@ -226,20 +242,35 @@ impl Core {
     }
 
     fn ping(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::PING_DATA>() else { return };
+        let Some(asked) = payload.read::<wire::PING_DATA>() else {
+            return;
+        };
         // With a target it is somebody's answer.
         if (asked.target_system, asked.target_component) == (0, 0) {
             let (time, sequence) = (asked.time_usec, asked.seq);
-            self.outbox.reply(Reply::Pong { to: from, time, sequence });
+            self.outbox.reply(Reply::Pong {
+                to: from,
+                time,
+                sequence,
+            });
         }
     }
 
     fn time(&mut self, payload: Payload<'_>, from: Address, now: u64) {
-        let Some(asked) = payload.read::<wire::TIMESYNC_DATA>() else { return };
-        let meant = self.config.address.is_meant(asked.target_system, asked.target_component);
+        let Some(asked) = payload.read::<wire::TIMESYNC_DATA>() else {
+            return;
+        };
+        let meant = self
+            .config
+            .address
+            .is_meant(asked.target_system, asked.target_component);
         if asked.tc1 == 0 && meant {
             let ours = i64::try_from(now.saturating_mul(1000)).unwrap_or(i64::MAX);
-            self.outbox.reply(Reply::Time { to: from, theirs: asked.ts1, ours });
+            self.outbox.reply(Reply::Time {
+                to: from,
+                theirs: asked.ts1,
+                ours,
+            });
         }
     }
 
@@ -258,7 +289,9 @@ impl Core {
     }
 
     fn setup_signing(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SETUP_SIGNING_DATA>() else { return };
+        let Some(asked) = payload.read::<wire::SETUP_SIGNING_DATA>() else {
+            return;
+        };
         if asked.target_system != self.config.address.system {
             return;
         }
@@ -266,6 +299,10 @@ impl Core {
             secret: asked.secret_key,
             time: asked.initial_timestamp,
         };
-        self.outbox.request(Order { request, from, id: None });
+        self.outbox.request(Order {
+            request,
+            from,
+            id: None,
+        });
     }
 }

@@ -54,7 +54,10 @@ impl Default for Config {
     /// System 1, component 1, on a serial port of 57,600 baud.
     fn default() -> Self {
         Self {
-            address: Address { system: 1, component: 1 },
+            address: Address {
+                system: 1,
+                component: 1,
+            },
             identity: Identity::Px4,
             bandwidth: 5_760,
             channel: 0,
@@ -193,7 +196,11 @@ impl Link {
     /// the newest setpoint and sticks.
     pub fn next_request(&mut self) -> Option<Order> {
         let core = &mut self.core;
-        let plain = |from, request| Order { request, from, id: None };
+        let plain = |from, request| Order {
+            request,
+            from,
+            id: None,
+        };
         if let Some(order) = core.outbox.next_request() {
             return Some(order);
         }
@@ -214,7 +221,9 @@ impl Link {
 
     /// Tells how far a command has come, in percent.
     pub fn progress(&mut self, id: CommandId, percent: u8, now: u64) {
-        self.core.commands.progress(id, percent, &mut self.core.outbox, now);
+        self.core
+            .commands
+            .progress(id, percent, &mut self.core.outbox, now);
     }
 
     /// Tells that a write to the parameter table was refused.

@@ -136,9 +136,11 @@ impl Core {
         let signing = &mut self.signing;
         let length = if signing.is_on() {
             let mut sign = |covered: &[u8]| signing.sign(covered, now);
-            self.writer.write(&mut buffer, message.id, message.payload(), Some(&mut sign))
+            self.writer
+                .write(&mut buffer, message.id, message.payload(), Some(&mut sign))
         } else {
-            self.writer.write(&mut buffer, message.id, message.payload(), None)
+            self.writer
+                .write(&mut buffer, message.id, message.payload(), None)
         };
         if let Some(frame) = length.and_then(|length| buffer.get(..length)) {
             self.budget.spend(frame.len());
@@ -153,7 +155,11 @@ impl Core {
             telemetry: context.telemetry,
             identity: self.config.identity,
             plans: PlanKind::EACH.map(|kind| context.plans.committed(kind)),
-            loss: if received > 0.0 { lost / (lost + received) } else { 0.0 },
+            loss: if received > 0.0 {
+                lost / (lost + received)
+            } else {
+                0.0
+            },
             now,
         }
     }
@@ -161,9 +167,12 @@ impl Core {
     /// An answer as a message; `None` when what was asked for is gone.
     fn answer(&self, reply: &Reply, now: u64, context: &Context<'_>) -> Option<Message> {
         Some(match *reply {
-            Reply::Command { to, command, result, progress } => {
-                commands::ack_message(to, command, result, progress)
-            }
+            Reply::Command {
+                to,
+                command,
+                result,
+                progress,
+            } => commands::ack_message(to, command, result, progress),
             Reply::PlanAck { to, kind, result } => mission::ack_message(to, kind, result),
             Reply::PlanCount { to, kind, count, crc } => mission::count_message(to, kind, count, crc),
             Reply::PlanRequest { to, kind, index } => mission::request_message(to, kind, index),
@@ -187,7 +196,12 @@ impl Core {
                 target_system: to.system,
                 target_component: to.component,
             }),
-            Reply::NoFiles { to, sequence, session, opcode } => no_files(to, sequence, session, opcode),
+            Reply::NoFiles {
+                to,
+                sequence,
+                session,
+                opcode,
+            } => no_files(to, sequence, session, opcode),
         })
     }
 }
@@ -207,7 +221,10 @@ fn interval(message: u16, interval: Option<u32>) -> Message {
         Some(0) => -1,
         Some(interval) => i32::try_from(interval).unwrap_or(i32::MAX),
     };
-    Message::of(&MESSAGE_INTERVAL_DATA { interval_us, message_id: message })
+    Message::of(&MESSAGE_INTERVAL_DATA {
+        interval_us,
+        message_id: message,
+    })
 }
 
 /// `FILE_TRANSFER_PROTOCOL` with a refusal: sequence, session, code, size, what was asked, reason.

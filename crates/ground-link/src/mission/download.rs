@@ -22,7 +22,9 @@ pub(super) struct Download {
 impl MissionService {
     /// `MISSION_REQUEST_LIST`.
     pub fn list(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = list_request(payload) else { return };
+        let Some((asked, kind)) = list_request(payload) else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -32,14 +34,29 @@ impl MissionService {
         };
         let plan = around.plans.committed(kind);
         let (count, crc) = (plan.count, plan.crc);
-        remember(&mut self.downloads, Download { client: from, kind, crc, count });
-        around.outbox.reply(Reply::PlanCount { to: from, kind, count, crc });
+        remember(
+            &mut self.downloads,
+            Download {
+                client: from,
+                kind,
+                crc,
+                count,
+            },
+        );
+        around.outbox.reply(Reply::PlanCount {
+            to: from,
+            kind,
+            count,
+            crc,
+        });
     }
 
     /// `MISSION_REQUEST_INT`, and `MISSION_REQUEST` of clients that do not know it: both get
     /// integers.
     pub fn item(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = item_request(payload) else { return };
+        let Some((asked, kind)) = item_request(payload) else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -58,7 +75,11 @@ impl MissionService {
             return around.ack(from, kind.code(), MissionResult::InvalidSequence);
         }
         let index = asked.seq;
-        around.outbox.reply(Reply::PlanItem { to: from, kind, index });
+        around.outbox.reply(Reply::PlanItem {
+            to: from,
+            kind,
+            index,
+        });
     }
 }
 

@@ -50,7 +50,11 @@ pub(super) fn read(payload: Payload<'_>) -> Option<Received> {
 /// `MISSION_ITEM`, of clients that do not know integers: degrees become 1e-7 degrees.
 pub(super) fn read_float(payload: Payload<'_>) -> Option<Received> {
     let data: MISSION_ITEM_DATA = readable(payload)?;
-    let scale = if payload.byte(FRAME) == NO_POSITION { 1.0 } else { 1e7 };
+    let scale = if payload.byte(FRAME) == NO_POSITION {
+        1.0
+    } else {
+        1e7
+    };
     Some(Received {
         target: Address {
             system: data.target_system,
@@ -71,7 +75,13 @@ pub(super) fn read_float(payload: Payload<'_>) -> Option<Received> {
 }
 
 /// `MISSION_ITEM_INT` for a client, as it came from one.
-pub(crate) fn item_message(to: Address, kind: PlanKind, index: u16, current: bool, item: &MissionItem) -> Message {
+pub(crate) fn item_message(
+    to: Address,
+    kind: PlanKind,
+    index: u16,
+    current: bool,
+    item: &MissionItem,
+) -> Message {
     let [param1, param2, param3, param4] = item.params;
     Message::of(&MISSION_ITEM_INT_DATA {
         param1,
@@ -119,15 +129,26 @@ mod tests {
             command: 54_321,
             frame: 200,
             autocontinue: false,
-            params: [f32::from_bits(0x7fc1_2345), -0.0, f32::INFINITY, f32::from_bits(0xff80_0001)],
+            params: [
+                f32::from_bits(0x7fc1_2345),
+                -0.0,
+                f32::INFINITY,
+                f32::from_bits(0xff80_0001),
+            ],
             x: i32::MIN,
             y: i32::MAX,
             z: f32::from_bits(0x7fff_ffff),
         };
-        let to = Address { system: 1, component: 1 };
+        let to = Address {
+            system: 1,
+            component: 1,
+        };
         let message = item_message(to, PlanKind::Fence, 77, true, &item);
         let read = read(Payload(message.payload())).expect("it is one");
-        assert_eq!((read.index, read.kind, read.target), (77, Ok(PlanKind::Fence), to));
+        assert_eq!(
+            (read.index, read.kind, read.target),
+            (77, Ok(PlanKind::Fence), to)
+        );
         let bits = |item: &MissionItem| (item.params.map(f32::to_bits), item.z.to_bits());
         assert_eq!(bits(&read.item), bits(&item));
         let rest = |item: &MissionItem| (item.command, item.frame, item.x, item.y, item.autocontinue);

@@ -65,7 +65,9 @@ pub(crate) struct MissionService {
 impl MissionService {
     /// `MISSION_CLEAR_ALL`.
     pub fn clear(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read_with::<MISSION_CLEAR_ALL_DATA>(&[(2, 0)]) else { return };
+        let Some(asked) = payload.read_with::<MISSION_CLEAR_ALL_DATA>(&[(2, 0)]) else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -110,7 +112,11 @@ impl MissionService {
 /// Puts an empty plan in the place of the present one.
 fn commit_empty(kind: PlanKind, plans: &mut dyn PlanStore) -> Result<(), PlanRefusal> {
     let slot = plans.begin(kind, 0)?;
-    let commit = windhover_autopilot::MissionCommit { slot, count: 0, crc: 0 };
+    let commit = windhover_autopilot::MissionCommit {
+        slot,
+        count: 0,
+        crc: 0,
+    };
     let outcome = plans.commit(kind, commit);
     if outcome.is_err() {
         plans.abort(kind);

@@ -57,7 +57,9 @@ pub(super) struct Finished {
 impl MissionService {
     /// `MISSION_COUNT`: a client wants to upload.
     pub fn count(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = count_request(payload) else { return };
+        let Some((asked, kind)) = count_request(payload) else {
+            return;
+        };
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -106,7 +108,11 @@ impl MissionService {
             self.finish(upload, around);
         } else {
             self.upload = Some(upload);
-            around.outbox.reply(Reply::PlanRequest { to: from, kind, index: 0 });
+            around.outbox.reply(Reply::PlanRequest {
+                to: from,
+                kind,
+                index: 0,
+            });
         }
         Ok(())
     }
@@ -187,12 +193,23 @@ impl MissionService {
         }
         self.upload = Some(upload);
         let index = upload.next;
-        around.outbox.reply(Reply::PlanRequest { to: upload.from, kind, index });
+        around.outbox.reply(Reply::PlanRequest {
+            to: upload.from,
+            kind,
+            index,
+        });
     }
 
     /// All items are there: commits the plan.
     fn finish(&mut self, upload: Upload, around: &mut Surroundings<'_>) {
-        let Upload { from, kind, slot, count, crc, .. } = upload;
+        let Upload {
+            from,
+            kind,
+            slot,
+            count,
+            crc,
+            ..
+        } = upload;
         self.upload = None;
         match around.plans.commit(kind, MissionCommit { slot, count, crc }) {
             Ok(()) => {
@@ -209,7 +226,13 @@ impl MissionService {
 
     fn ended(&mut self, upload: Upload, count: u16, now: u64) {
         let Upload { from, kind, .. } = upload;
-        self.finished = Some(Finished { from, kind, count, at: now, told: now });
+        self.finished = Some(Finished {
+            from,
+            kind,
+            count,
+            at: now,
+            told: now,
+        });
     }
 
     fn give_up(&mut self, upload: Upload, result: MissionResult, around: &mut Surroundings<'_>) {

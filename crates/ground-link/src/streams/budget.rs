@@ -25,7 +25,11 @@ const BYTE: i64 = 1_000_000;
 impl Budget {
     /// So many bytes a second.
     pub fn new(rate: u32) -> Self {
-        let mut budget = Self { rate, credit: 0, time: None };
+        let mut budget = Self {
+            rate,
+            credit: 0,
+            time: None,
+        };
         budget.credit = budget.reserve();
         budget
     }

@@ -29,7 +29,11 @@ struct Stream {
 }
 
 const fn stream(message: u16, interval: u32, group: u8) -> Stream {
-    Stream { message, interval, group }
+    Stream {
+        message,
+        interval,
+        group,
+    }
 }
 
 /// `HEARTBEAT`.
@@ -48,18 +52,18 @@ pub(crate) const STREAMS: usize = 14;
 const TABLE: [Stream; STREAMS] = [
     stream(HEARTBEAT, 1_000_000, 0),
     stream(EXTENDED_SYS_STATE, 500_000, 2),
-    stream(1, 500_000, 2), // SYS_STATUS
-    stream(33, 200_000, 6), // GLOBAL_POSITION_INT
+    stream(1, 500_000, 2),   // SYS_STATUS
+    stream(33, 200_000, 6),  // GLOBAL_POSITION_INT
     stream(30, 100_000, 10), // ATTITUDE
     stream(MISSION_CURRENT, 500_000, 2),
     stream(147, 1_000_000, 2), // BATTERY_STATUS
-    stream(24, 500_000, 2), // GPS_RAW_INT
-    stream(74, 250_000, 11), // VFR_HUD
+    stream(24, 500_000, 2),    // GPS_RAW_INT
+    stream(74, 250_000, 11),   // VFR_HUD
     stream(HOME_POSITION, 2_000_000, 0),
-    stream(32, 200_000, 6), // LOCAL_POSITION_NED
-    stream(31, 200_000, 10), // ATTITUDE_QUATERNION
+    stream(32, 200_000, 6),   // LOCAL_POSITION_NED
+    stream(31, 200_000, 10),  // ATTITUDE_QUATERNION
     stream(2, 1_000_000, 12), // SYSTEM_TIME
-    stream(36, 500_000, 3), // SERVO_OUTPUT_RAW
+    stream(36, 500_000, 3),   // SERVO_OUTPUT_RAW
 ];
 
 /// When a stream is due.
@@ -79,7 +83,11 @@ impl Rate {
             return None;
         }
         let (first, late) = (self.due == 0, now - self.due);
-        self.due = if late < interval { self.due + interval } else { now + interval };
+        self.due = if late < interval {
+            self.due + interval
+        } else {
+            now + interval
+        };
         let missed = if first { 0 } else { late / interval };
         Some(u32::try_from(missed).unwrap_or(u32::MAX))
     }
@@ -95,7 +103,10 @@ pub(crate) struct Streams {
 impl Default for Streams {
     fn default() -> Self {
         Self {
-            rates: TABLE.map(|line| Rate { interval: line.interval, due: 0 }),
+            rates: TABLE.map(|line| Rate {
+                interval: line.interval,
+                due: 0,
+            }),
             left_out: 0,
         }
     }
@@ -131,7 +142,9 @@ impl Streams {
     /// `REQUEST_DATA_STREAM`: the rate of a group; group 0 is all.
     pub fn legacy(&mut self, payload: Payload<'_>, own: Address, now: u64) {
         let (group, start) = (payload.byte(4), payload.byte(5));
-        let Some(asked) = payload.read_with::<REQUEST_DATA_STREAM_DATA>(&[(4, 0)]) else { return };
+        let Some(asked) = payload.read_with::<REQUEST_DATA_STREAM_DATA>(&[(4, 0)]) else {
+            return;
+        };
         if !own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
@@ -140,7 +153,9 @@ impl Streams {
             (_, 0) => Some(0),
             (_, rate) => Some(1_000_000 / u32::from(rate)),
         };
-        let members = TABLE.iter().filter(|line| line.group != 0 && (group == 0 || line.group == group));
+        let members = TABLE
+            .iter()
+            .filter(|line| line.group != 0 && (group == 0 || line.group == group));
         for line in members {
             self.set(u32::from(line.message), interval, now);
         }

@@ -15,7 +15,10 @@ use windhover_ground_link::{
 /// One step of simulated time, µs.
 pub const STEP: u64 = 5_000;
 
-pub const VEHICLE: Address = Address { system: 1, component: 1 };
+pub const VEHICLE: Address = Address {
+    system: 1,
+    component: 1,
+};
 
 /// A command in a mission item that the store refuses.
 pub const REFUSED_COMMAND: u16 = 9_999;
@@ -83,7 +86,11 @@ impl Channel {
         }
         let copies = 1 + usize::from(self.random.percent(self.repeats));
         for _ in 0..copies {
-            let jitter = if self.jitter > 0 { self.random.below(self.jitter) } else { 0 };
+            let jitter = if self.jitter > 0 {
+                self.random.below(self.jitter)
+            } else {
+                0
+            };
             self.under_way.push((now + self.delay + jitter, frame.clone()));
         }
     }
@@ -123,7 +130,14 @@ impl Store {
 pub fn bits(item: &MissionItem) -> String {
     let params = item.params.map(f32::to_bits);
     let z = item.z.to_bits();
-    let MissionItem { command, frame, autocontinue, x, y, .. } = item;
+    let MissionItem {
+        command,
+        frame,
+        autocontinue,
+        x,
+        y,
+        ..
+    } = item;
     format!("{command} {frame} {autocontinue} {params:x?} {x} {y} {z:x}")
 }
 
@@ -174,7 +188,10 @@ impl PlanStore for Store {
         }
         let items = &self.slots[at][usize::from(commit.slot)];
         assert_eq!(items.len(), usize::from(commit.count), "committed whole");
-        assert_eq!(commit.crc, windhover_flight_log::crc::mission_crc(items.iter().copied()));
+        assert_eq!(
+            commit.crc,
+            windhover_flight_log::crc::mission_crc(items.iter().copied())
+        );
         self.staged[at] = false;
         self.active[at] = commit;
         self.commits += 1;
@@ -205,7 +222,10 @@ pub struct Vehicle {
 impl Vehicle {
     /// With all the bandwidth that one could wish for.
     pub fn new() -> Self {
-        Self::with(Config { bandwidth: 1_000_000, ..Config::default() })
+        Self::with(Config {
+            bandwidth: 1_000_000,
+            ..Config::default()
+        })
     }
 
     pub fn with(config: Config) -> Self {
@@ -297,7 +317,10 @@ pub struct Station {
 
 impl Station {
     pub fn new(system: u8) -> Self {
-        let address = Address { system, component: 190 };
+        let address = Address {
+            system,
+            component: 190,
+        };
         Self {
             address,
             writer: Writer::new(address),
@@ -327,7 +350,11 @@ impl Station {
                 });
             });
         }
-        assert_eq!(self.parser.counts().skipped, 0, "the vehicle sends nothing but frames");
+        assert_eq!(
+            self.parser.counts().skipped,
+            0,
+            "the vehicle sends nothing but frames"
+        );
         seen
     }
 }
@@ -422,7 +449,11 @@ pub fn plan(count: u16, salt: u32) -> Vec<MissionItem> {
                 params: [n as f32, f32::from_bits(0x7fc0_0000 | n), -0.0, NAN],
                 x: 473_977_418 + n as i32,
                 y: -85_455_938 - n as i32,
-                z: if index % 5 == 0 { f32::from_bits(0xffc0_0001 + n) } else { n as f32 * 0.1 },
+                z: if index % 5 == 0 {
+                    f32::from_bits(0xffc0_0001 + n)
+                } else {
+                    n as f32 * 0.1
+                },
             }
         })
         .collect()

@@ -19,9 +19,13 @@ const IN_MISSION: u8 = 1;
 
 pub(super) fn heartbeat(source: &Source<'_>) -> Message {
     let t = source.telemetry;
-    let mut base = MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    let mut base =
+        MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
     base.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, t.armed);
-    base.set(MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED, t.mode.is_manual());
+    base.set(
+        MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+        t.mode.is_manual(),
+    );
     base.set(MavModeFlag::MAV_MODE_FLAG_AUTO_ENABLED, t.mode.is_auto());
     base.set(MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED, !t.mode.is_manual());
     let system_status = match (t.failsafe || t.battery.charge == Charge::Critical, t.armed) {
@@ -131,7 +135,11 @@ pub(super) fn vfr_hud(source: &Source<'_>) -> Message {
         groundspeed: speed,
         alt: t.global.map_or(0.0, |global| global.altitude as f32 * 1e-3),
         climb: -velocity.z,
-        heading: if heading == u16::MAX { 0 } else { (heading / 100) as i16 },
+        heading: if heading == u16::MAX {
+            0
+        } else {
+            (heading / 100) as i16
+        },
         throttle: scaled(t.throttle, 100.0, 0, (0, 100)),
     })
 }

@@ -37,7 +37,12 @@ pub(super) fn sys_status(source: &Source<'_>) -> Message {
         good.set(bit, part == Part::Good);
     }
     let none = MavSysStatusSensorExtended::empty();
-    let Battery { voltage, current, remaining, .. } = t.battery;
+    let Battery {
+        voltage,
+        current,
+        remaining,
+        ..
+    } = t.battery;
     Message::of(&SYS_STATUS_DATA {
         onboard_control_sensors_present: present,
         onboard_control_sensors_enabled: present,
@@ -55,7 +60,13 @@ pub(super) fn sys_status(source: &Source<'_>) -> Message {
 }
 
 pub(super) fn battery_status(source: &Source<'_>) -> Message {
-    let Battery { voltage, current, consumed, remaining, charge } = source.telemetry.battery;
+    let Battery {
+        voltage,
+        current,
+        consumed,
+        remaining,
+        charge,
+    } = source.telemetry.battery;
     let mut voltages = [u16::MAX; 10];
     let [first, ..] = &mut voltages;
     *first = word(voltage, 1000.0);
