@@ -106,6 +106,7 @@ pub struct Dropped {
 impl Outbox {
     /// Puts an answer at the end. One that waits already is not put twice, but each command is
     /// acknowledged for itself.
+    #[inline(never)]
     pub fn reply(&mut self, reply: Reply) {
         let is_command = matches!(reply, Reply::Command { .. });
         if !is_command && self.replies.iter().any(|waiting| *waiting == reply) {
@@ -117,6 +118,7 @@ impl Outbox {
     }
 
     /// Puts a request at the end; whether there was room.
+    #[inline(never)]
     pub fn request(&mut self, order: Order) -> bool {
         let taken = self.requests.push_back(order).is_ok();
         if !taken {
@@ -126,6 +128,7 @@ impl Outbox {
     }
 
     /// Puts a line of text at the end.
+    #[inline(never)]
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         self.texts.say(severity, text);
     }

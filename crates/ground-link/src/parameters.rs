@@ -103,7 +103,7 @@ impl ParameterService {
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
-        let name = asked.param_id.to_str().unwrap_or_default();
+        let name = crate::wire::text(&*asked.param_id);
         let index = match asked.param_index {
             BY_NAME if name == HASH => return around.outbox.reply(Reply::ParameterHash),
             BY_NAME => around.table.find(name),
@@ -124,7 +124,7 @@ impl ParameterService {
         if !around.own.is_meant(asked.target_system, asked.target_component) {
             return;
         }
-        let name = asked.param_id.to_str().unwrap_or_default();
+        let name = crate::wire::text(&*asked.param_id);
         if name == HASH {
             return self.compare(asked.param_value, around);
         }
@@ -231,9 +231,15 @@ fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
             let text = format_args!("{name}: the range is {min} to {max}");
             around.outbox.say(Severity::Warning, text);
         }
-        other => around
-            .outbox
-            .say(Severity::Warning, format_args!("{name}: {other}")),
+        // Not by their `Display`, which brings the standard way of writing floats with it.
+        Refusal::Unknown => around.outbox.say(
+            Severity::Warning,
+            format_args!("{name}: there is no such parameter"),
+        ),
+        Refusal::Inconsistent => {
+            let text = format_args!("{name}: it does not go with the other parameters");
+            around.outbox.say(Severity::Warning, text);
+        }
     }
 }
 

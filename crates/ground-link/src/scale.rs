@@ -6,6 +6,7 @@ use core::f32::consts::PI;
 pub(crate) const DEGREE: f32 = PI / 180.0;
 
 /// The nearest integer; what is beyond the range, or no number, ends at its edge, or at 0.
+#[inline(never)]
 pub(crate) fn integer(value: f64) -> i32 {
     let half = if value < 0.0 { -0.5 } else { 0.5 };
     (value + half) as i32

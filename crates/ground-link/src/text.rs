@@ -96,21 +96,21 @@ impl fmt::Display for Decimal {
         if rest >= 10_000 {
             (whole, rest) = (whole + 1, 0);
         }
-        let sign = if self.0 < 0.0 && (whole, rest) != (0, 0) {
-            "-"
-        } else {
-            ""
-        };
-        write!(f, "{sign}{whole}")?;
-        let mut digits = 4;
-        while rest != 0 && rest % 10 == 0 {
-            rest /= 10;
-            digits -= 1;
+        if self.0 < 0.0 && (whole, rest) != (0, 0) {
+            f.write_str("-")?;
         }
+        write!(f, "{whole}")?;
         if rest == 0 {
             return Ok(());
         }
-        write!(f, ".{rest:0digits$}")
+        f.write_str(".")?;
+        let mut place = 1_000;
+        while rest != 0 && place != 0 {
+            write!(f, "{}", rest / place)?;
+            rest %= place;
+            place /= 10;
+        }
+        Ok(())
     }
 }
 

@@ -27,6 +27,12 @@ impl Payload<'_> {
 
     /// The message with other bytes in some places.
     pub fn read_with<M: MessageData>(self, bytes: &[(usize, u8)]) -> Option<M> {
+        M::deser(MavlinkVersion::V2, &self.patched(bytes)).ok()
+    }
+
+    /// A copy with other bytes in some places.
+    #[inline(never)]
+    fn patched(self, bytes: &[(usize, u8)]) -> [u8; MAX_PAYLOAD] {
         let mut copy = [0; MAX_PAYLOAD];
         put(&mut copy, self.0);
         for (at, byte) in bytes {
@@ -34,7 +40,7 @@ impl Payload<'_> {
                 *place = *byte;
             }
         }
-        M::deser(MavlinkVersion::V2, &copy).ok()
+        copy
     }
 
     /// The message, read with a known command in this place, and perhaps a known frame in that.
@@ -53,6 +59,13 @@ impl Payload<'_> {
     pub fn word(self, at: usize) -> u16 {
         u16::from_le_bytes([self.byte(at), self.byte(at + 1)])
     }
+}
+
+/// A text of a message: up to its first zero; empty when it is not UTF-8.
+pub(crate) fn text(bytes: &[u8]) -> &str {
+    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    let used = bytes.get(..end).unwrap_or_default();
+    core::str::from_utf8(used).unwrap_or_default()
 }
 
 /// A message to be sent.
@@ -78,6 +91,7 @@ impl Message {
     }
 
     /// The same with another byte in a place.
+    #[inline(never)]
     pub fn with_byte(mut self, at: usize, byte: u8) -> Self {
         if let Some(place) = self.bytes.get_mut(at) {
             *place = byte;

@@ -288,6 +288,7 @@ fn digest(payload: Payload<'_>, length: usize) -> u16 {
 }
 
 /// Puts an acknowledgement at the end of the answers.
+#[inline(never)]
 pub(crate) fn acknowledge(outbox: &mut Outbox, to: Address, command: u16, result: CommandResult) {
     outbox.reply(Reply::Command {
         to,

@@ -41,11 +41,13 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    #[inline(never)]
     fn ack(&mut self, to: Address, kind: u8, result: MissionResult) {
         self.outbox.reply(Reply::PlanAck { to, kind, result });
     }
 
     /// Refuses with a reason that a human can read.
+    #[inline(never)]
     fn refuse(&mut self, to: Address, kind: PlanKind, refusal: &PlanRefusal) {
         self.ack(to, kind.code(), refusal.result);
         let reason = refusal.reason.as_str();
