@@ -11,6 +11,9 @@
 //! goes out as a [`Request`]; what it is told comes in as [`Telemetry`], a table of parameters and
 //! a store of plans. Degrees and scaled integers end here: inside are SI units, radians and NED,
 //! and a number that says "unset" is an `Option`.
+//!
+//! Flash is short on the board: what is called from several places is one function there, marked
+//! `inline(never)`.
 #![no_std]
 // Clients still send what the protocol's authors would have them replace.
 #![allow(deprecated)]

@@ -39,7 +39,10 @@ pub trait ParameterTable {
     /// The value of one.
     fn value(&self, index: u16) -> Option<f32>;
     /// The index of one by its name.
-    fn find(&self, name: &str) -> Option<u16>;
+    fn find(&self, name: &str) -> Option<u16> {
+        let named = |index: &u16| self.declaration(*index).is_some_and(|found| found.name == name);
+        (0..self.count()).find(named)
+    }
 }
 
 impl ParameterTable for windhover_autopilot::Parameters {
@@ -53,10 +56,6 @@ impl ParameterTable for windhover_autopilot::Parameters {
 
     fn value(&self, index: u16) -> Option<f32> {
         self.get(usize::from(index))
-    }
-
-    fn find(&self, name: &str) -> Option<u16> {
-        Self::find(name).and_then(|index| u16::try_from(index).ok())
     }
 }
 

@@ -127,12 +127,12 @@ pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
     Some(Setpoint::Local {
         frame,
         position: masked([data.x, data.y, data.z], mask, 0),
-        motion: Motion {
-            velocity: masked([data.vx, data.vy, data.vz], mask, 3),
-            acceleration: masked([data.afx, data.afy, data.afz], forceless(mask), 6),
-            heading: unmasked(data.yaw, mask, 10),
-            heading_rate: unmasked(data.yaw_rate, mask, 11),
-        },
+        motion: motion(
+            [data.vx, data.vy, data.vz],
+            [data.afx, data.afy, data.afz],
+            [data.yaw, data.yaw_rate],
+            mask,
+        ),
     })
 }
 
@@ -155,12 +155,12 @@ pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
             longitude: data.lon_int,
         }),
         altitude: unmasked(data.alt, mask, 2).map(datum),
-        motion: Motion {
-            velocity: masked([data.vx, data.vy, data.vz], mask, 3),
-            acceleration: masked([data.afx, data.afy, data.afz], forceless(mask), 6),
-            heading: unmasked(data.yaw, mask, 10),
-            heading_rate: unmasked(data.yaw_rate, mask, 11),
-        },
+        motion: motion(
+            [data.vx, data.vy, data.vz],
+            [data.afx, data.afy, data.afz],
+            [data.yaw, data.yaw_rate],
+            mask,
+        ),
     })
 }
 
@@ -249,12 +249,24 @@ pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Channels> {
     })
 }
 
+/// Velocity, acceleration and heading, as far as the mask does not leave them out.
+#[inline(never)]
+fn motion(velocity: [f32; 3], acceleration: [f32; 3], [heading, rate]: [f32; 2], mask: u16) -> Motion {
+    Motion {
+        velocity: masked(velocity, mask, 3),
+        acceleration: masked(acceleration, forceless(mask), 6),
+        heading: unmasked(heading, mask, 10),
+        heading_rate: unmasked(rate, mask, 11),
+    }
+}
+
 /// A number whose bit is not set in the mask of what to ignore, and that is one.
 fn unmasked(value: f32, mask: u16, bit: u32) -> Option<f32> {
     (mask & 1 << bit == 0).then_some(value).and_then(set)
 }
 
 /// Three numbers with three bits in a row.
+#[inline(never)]
 fn masked([x, y, z]: [f32; 3], mask: u16, bit: u32) -> [Option<f32>; 3] {
     [
         unmasked(x, mask, bit),

@@ -151,6 +151,7 @@ impl Parameters {
         }
     }
 
+    #[inline(never)]
     fn get(&self, number: usize) -> Option<f32> {
         match number {
             5 => self.five_six[0],
@@ -161,6 +162,7 @@ impl Parameters {
     }
 
     /// A parameter that counts or switches: 0 when it is not set.
+    #[inline(never)]
     fn number(&self, number: usize) -> f32 {
         self.get(number).unwrap_or_default()
     }
@@ -170,6 +172,7 @@ impl Parameters {
     }
 
     /// The altitude; `implied` says how it counts where the command does not.
+    #[inline(never)]
     fn altitude(&self, implied: fn(f32) -> Altitude) -> Option<Altitude> {
         let altitude = self.seven?;
         match self.datum {
@@ -180,6 +183,7 @@ impl Parameters {
         }
     }
 
+    #[inline(never)]
     fn place(&self) -> Option<Place> {
         let Ground { latitude, longitude } = self.ground?;
         let altitude = self.altitude(Altitude::SeaLevel)?;
@@ -216,6 +220,7 @@ fn datum(frame: u8) -> Datum {
 }
 
 /// What a command means with these parameters.
+#[inline(never)]
 pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meaning {
     let request = match command {
         number::NAV_TAKEOFF | number::DO_REPOSITION | number::DO_CHANGE_ALTITUDE | number::DO_SET_HOME
@@ -419,6 +424,7 @@ fn motor(number: f32, throttle: f32, duration: f32) -> Translated {
     })
 }
 
+#[inline(never)]
 fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
     let request = match command {
         number::IMAGE_START_CAPTURE => Request::TakePhotos {
@@ -447,6 +453,7 @@ fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
 }
 
 /// Commands about messages: `HOME_POSITION` 242, `PROTOCOL_VERSION` 300, `AUTOPILOT_VERSION` 148.
+#[inline(never)]
 fn messages(command: u16, p: &Parameters) -> Option<Meaning> {
     let message = p.number(1) as u32;
     Some(Meaning::Ours(match command {

@@ -30,6 +30,7 @@ const ONCE: [u32; 5] = [
 
 impl Core {
     /// Acts on a frame.
+    #[inline(never)]
     pub fn take(&mut self, frame: &Frame<'_>, now: u64, context: &mut Context<'_>) {
         if frame.source == self.config.address {
             return;
@@ -52,6 +53,7 @@ impl Core {
         }
     }
 
+    #[inline(never)]
     fn take_plan(&mut self, frame: &Frame<'_>, now: u64, context: &mut Context<'_>) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         let around = &mut mission::Surroundings {
@@ -107,6 +109,7 @@ impl Core {
         self.streams.hasten(streams::MISSION_CURRENT, now);
     }
 
+    #[inline(never)]
     fn take_parameter(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         let around = &mut parameters::Surroundings {
@@ -124,6 +127,7 @@ impl Core {
         true
     }
 
+    #[inline(never)]
     fn take_command(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         let around = &mut commands::Surroundings {
@@ -194,6 +198,7 @@ impl Core {
         }
     }
 
+    #[inline(never)]
     fn take_setpoint(&mut self, frame: &Frame<'_>) -> bool {
         let (from, payload, own) = (frame.source, Payload(frame.payload), self.config.address);
         let with = |setpoint| Some((from, setpoint));
@@ -220,6 +225,7 @@ impl Core {
         true
     }
 
+    #[inline(never)]
     fn take_other(&mut self, frame: &Frame<'_>, now: u64) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         match frame.id {

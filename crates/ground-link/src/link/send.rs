@@ -92,6 +92,7 @@ impl Core {
     }
 
     /// What has to wait for the budget.
+    #[inline(never)]
     fn send_rest(&mut self, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
         if self.outbox.has_replies() {
             return;
@@ -124,6 +125,7 @@ impl Core {
         }
     }
 
+    #[inline(never)]
     fn send_telemetry(&mut self, number: u16, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
         if let Some(message) = encode::message(number, &self.source(now, context)) {
             self.send(&message, now, out);
@@ -131,6 +133,7 @@ impl Core {
     }
 
     /// Makes a frame around a message, signed if there is a key.
+    #[inline(never)]
     fn send(&mut self, message: &Message, now: u64, out: &mut impl FnMut(&[u8])) {
         let mut buffer = [0; MAX_FRAME];
         let signing = &mut self.signing;
@@ -149,6 +152,7 @@ impl Core {
     }
 
     /// What messages of telemetry are made from.
+    #[inline(never)]
     pub(super) fn source<'a>(&self, now: u64, context: &'a Context<'_>) -> encode::Source<'a> {
         let (lost, received) = (self.losses.lost() as f32, self.losses.received() as f32);
         encode::Source {
@@ -165,6 +169,7 @@ impl Core {
     }
 
     /// An answer as a message; `None` when what was asked for is gone.
+    #[inline(never)]
     fn answer(&self, reply: &Reply, now: u64, context: &Context<'_>) -> Option<Message> {
         Some(match *reply {
             Reply::Command {
