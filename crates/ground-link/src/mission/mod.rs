@@ -7,6 +7,7 @@
 mod download;
 mod item;
 mod plan;
+mod refusal;
 mod upload;
 
 use heapless::Vec;
