@@ -4,6 +4,7 @@
 //! `confirmation`: then the same answer is given again, and nothing is done twice. A command that
 //! the vehicle has not answered for soon after it came is acknowledged as in progress.
 
+mod arguments;
 mod translate;
 
 use heapless::Vec;
@@ -14,8 +15,9 @@ use crate::outbox::{Order, Outbox, Reply};
 use crate::request::Request;
 use crate::wire::{Message, Payload};
 
+pub(crate) use arguments::Parameters;
 pub use translate::Identity;
-pub(crate) use translate::{Meaning, Ours, Parameters};
+pub(crate) use translate::{Meaning, Ours};
 
 /// Commands that are remembered: those under way, and those answered last.
 const COMMANDS: usize = 12;
