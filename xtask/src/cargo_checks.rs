@@ -6,7 +6,7 @@ use crate::process::{Outcome, cargo, root, run, target_directory};
 use crate::toolchain::BOARD;
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 9] = [
+const CORE: [&str; 10] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
@@ -16,6 +16,7 @@ const CORE: [&str; 9] = [
     "windhover-drivers",
     "windhover-storage",
     "windhover-bench-port",
+    "windhover-ground-link",
 ];
 
 /// What exists on the board only; its desktop `main` only says so.

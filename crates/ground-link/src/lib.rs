@@ -1,0 +1,47 @@
+//! The MAVLink side of the autopilot: bytes and time in, bytes and requests out.
+//!
+//! Layered like a network stack, from the wire upwards:
+//!
+//! - [`frame`] finds frames in a stream of bytes and writes them; [`signing`] says whose they are;
+//! - [`parameters`], [`mission`], [`commands`], [`streams`] and [`setpoints`] are services, each a
+//!   state machine of its own;
+//! - [`Link`] ties them together for one channel: a serial port, a socket.
+//!
+//! Nothing here knows a clock, a heap, a flight mode or a motor. What a ground station asks for
+//! goes out as a [`Request`]; what it is told comes in as [`Telemetry`], a table of parameters and
+//! a store of plans. Degrees and scaled integers end here: inside are SI units, radians and NED,
+//! and a number that says "unset" is an `Option`.
+//!
+//! Flash is short on the board: what is called from several places is one function there, marked
+//! `inline(never)`.
+#![no_std]
+// Clients still send what the protocol's authors would have them replace.
+#![allow(deprecated)]
+
+mod checksum;
+pub mod commands;
+pub mod frame;
+mod link;
+pub mod mission;
+mod mode;
+pub mod outbox;
+pub mod parameters;
+mod request;
+mod scale;
+pub mod setpoints;
+pub mod signing;
+pub mod streams;
+pub mod telemetry;
+pub mod text;
+mod wire;
+
+pub use commands::{CommandId, CommandResult, Identity};
+pub use frame::Address;
+pub use link::{Config, Context, Counters, Link, Photo};
+pub use mission::{MissionResult, PlanKind, PlanRefusal, PlanStore};
+pub use mode::Mode;
+pub use outbox::Order;
+pub use parameters::ParameterTable;
+pub use request::{Calibration, Ground, Request, SpeedKind};
+pub use telemetry::Telemetry;
+pub use text::Severity;

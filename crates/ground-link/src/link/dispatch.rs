@@ -1,0 +1,314 @@
+//! From a frame to the service that it is for.
+
+use mavlink::MessageData;
+use mavlink::dialects::common as wire;
+
+use super::{Context, Core};
+use crate::commands::{self, CommandResult, Ours};
+use crate::frame::{Address, Frame};
+use crate::mission;
+use crate::mode::Mode;
+use crate::outbox::{Order, Reply};
+use crate::parameters;
+use crate::request::Request;
+use crate::setpoints;
+use crate::streams::{self, encode};
+use crate::text::Severity;
+use crate::wire::Payload;
+
+/// `MAV_TYPE_GCS`.
+const GROUND_STATION: u8 = wire::MavType::MAV_TYPE_GCS as u8;
+
+/// Messages that must not act twice when the network repeats them.
+const ONCE: [u32; 5] = [
+    wire::COMMAND_LONG_DATA::ID,
+    wire::COMMAND_INT_DATA::ID,
+    wire::MISSION_COUNT_DATA::ID,
+    wire::MISSION_CLEAR_ALL_DATA::ID,
+    wire::MISSION_SET_CURRENT_DATA::ID,
+];
+
+impl Core {
+    /// Acts on a frame.
+    #[inline(never)]
+    pub fn take(&mut self, frame: &Frame<'_>, now: u64, context: &mut Context<'_>) {
+        if frame.source == self.config.address {
+            return;
+        }
+        self.losses.note(frame.source, frame.sequence);
+        if !self.signing.accepts(frame, now) {
+            return;
+        }
+        if ONCE.contains(&frame.id) && self.recent.has(frame, now) {
+            self.repeated = self.repeated.saturating_add(1);
+            return;
+        }
+        let understood = self.take_plan(frame, now, context)
+            || self.take_parameter(frame, now, context)
+            || self.take_command(frame, now, context)
+            || self.take_setpoint(frame)
+            || self.take_other(frame, now);
+        if !understood {
+            self.unknown = self.unknown.saturating_add(1);
+        }
+    }
+
+    #[inline(never)]
+    fn take_plan(&mut self, frame: &Frame<'_>, now: u64, context: &mut Context<'_>) -> bool {
+        let (from, payload) = (frame.source, Payload(frame.payload));
+        let around = &mut mission::Surroundings {
+            own: self.config.address,
+            plans: &mut *context.plans,
+            outbox: &mut self.outbox,
+            now,
+        };
+        let service = &mut self.mission;
+        match frame.id {
+            wire::MISSION_COUNT_DATA::ID => service.count(payload, from, around),
+            wire::MISSION_ITEM_INT_DATA::ID => service.take(payload, from, around),
+            wire::MISSION_ITEM_DATA::ID => service.take_float(payload, from, around),
+            wire::MISSION_REQUEST_LIST_DATA::ID => service.list(payload, from, around),
+            wire::MISSION_REQUEST_INT_DATA::ID | wire::MISSION_REQUEST_DATA::ID => {
+                service.item(payload, from, around);
+            }
+            wire::MISSION_ACK_DATA::ID => service.acknowledged(payload, from, around),
+            wire::MISSION_CLEAR_ALL_DATA::ID => service.clear(payload, from, around),
+            wire::MISSION_WRITE_PARTIAL_LIST_DATA::ID | wire::MISSION_REQUEST_PARTIAL_LIST_DATA::ID => {
+                service.partial(payload, from, around);
+            }
+            wire::MISSION_SET_CURRENT_DATA::ID => self.set_current(payload, from, now, context),
+            _ => return false,
+        }
+        true
+    }
+
+    /// `MISSION_SET_CURRENT`: the answer is what is current then.
+    fn set_current(&mut self, payload: Payload<'_>, from: Address, now: u64, context: &Context<'_>) {
+        let Some(asked) = payload.read::<wire::MISSION_SET_CURRENT_DATA>() else {
+            return;
+        };
+        if !self
+            .config
+            .address
+            .is_meant(asked.target_system, asked.target_component)
+        {
+            return;
+        }
+        let index = asked.seq;
+        if index < context.plans.committed(mission::PlanKind::Mission).count {
+            let request = Request::SetCurrentItem { index };
+            self.outbox.request(Order {
+                request,
+                from,
+                id: None,
+            });
+        } else {
+            let text = format_args!("mission has no item {index}");
+            self.outbox.say(Severity::Warning, text);
+        }
+        self.streams.hasten(streams::MISSION_CURRENT, now);
+    }
+
+    #[inline(never)]
+    fn take_parameter(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
+        let (from, payload) = (frame.source, Payload(frame.payload));
+        let around = &mut parameters::Surroundings {
+            own: self.config.address,
+            table: context.parameters,
+            outbox: &mut self.outbox,
+            now,
+        };
+        match frame.id {
+            wire::PARAM_REQUEST_LIST_DATA::ID => self.parameters.list(payload, self.config.address),
+            wire::PARAM_REQUEST_READ_DATA::ID => self.parameters.read(payload, around),
+            wire::PARAM_SET_DATA::ID => self.parameters.set(payload, from, around),
+            _ => return false,
+        }
+        true
+    }
+
+    #[inline(never)]
+    fn take_command(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
+        let (from, payload) = (frame.source, Payload(frame.payload));
+        let around = &mut commands::Surroundings {
+            own: self.config.address,
+            identity: self.config.identity,
+            outbox: &mut self.outbox,
+            now,
+        };
+        let ours = match frame.id {
+            wire::COMMAND_LONG_DATA::ID => self.commands.long(payload, from, around),
+            wire::COMMAND_INT_DATA::ID => self.commands.int(payload, from, around),
+            wire::SET_MODE_DATA::ID => {
+                self.set_mode(payload, from);
+                None
+            }
+            _ => return false,
+        };
+        if let Some(ours) = ours {
+            let (result, reply) = self.do_ours(ours, now, context);
+            commands::acknowledge(&mut self.outbox, from, ours.command(), result);
+            if let Some(reply) = reply {
+                self.outbox.reply(reply);
+            }
+        }
+        true
+    }
+
+    /// Commands about messages: the result, and what is sent after it.
+    fn do_ours(&mut self, ours: Ours, now: u64, context: &Context<'_>) -> (CommandResult, Option<Reply>) {
+        let number = |message: u32| u16::try_from(message).unwrap_or(u16::MAX);
+        match ours {
+            Ours::Once { message: 148, .. } => (CommandResult::Accepted, Some(Reply::Version)),
+            Ours::Once { message: 300, .. } => (CommandResult::Accepted, Some(Reply::Protocol)),
+            Ours::Once { message, .. } if !streams::exists(message) => (CommandResult::Unsupported, None),
+            Ours::Once { message, .. } => {
+                let source = self.source(now, context);
+                match encode::message(number(message), &source) {
+                    Some(_) => (CommandResult::Accepted, Some(Reply::Telemetry(number(message)))),
+                    None => (CommandResult::TemporarilyRejected, None),
+                }
+            }
+            Ours::Every { message, interval } => match self.streams.set(message, interval, now) {
+                true => (CommandResult::Accepted, None),
+                false => (CommandResult::Unsupported, None),
+            },
+            Ours::Interval { message } => (CommandResult::Accepted, Some(Reply::Interval(number(message)))),
+        }
+    }
+
+    /// `SET_MODE`, of clients that know no commands.
+    fn set_mode(&mut self, payload: Payload<'_>, from: Address) {
+        let Some(asked) = payload.read::<wire::SET_MODE_DATA>() else {
+            return;
+        };
+        let custom = asked
+            .base_mode
+            .contains(wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
+        if asked.target_system != self.config.address.system || !custom {
+            return;
+        }
+        if let Some(mode) = Mode::from_custom(asked.custom_mode) {
+            let request = Request::SetMode(mode);
+            self.outbox.request(Order {
+                request,
+                from,
+                id: None,
+            });
+        }
+    }
+
+    #[inline(never)]
+    fn take_setpoint(&mut self, frame: &Frame<'_>) -> bool {
+        let (from, payload, own) = (frame.source, Payload(frame.payload), self.config.address);
+        let with = |setpoint| Some((from, setpoint));
+        match frame.id {
+            wire::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
+                self.setpoint = setpoints::local(payload, own).and_then(with).or(self.setpoint);
+            }
+            wire::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => {
+                self.setpoint = setpoints::global(payload, own).and_then(with).or(self.setpoint);
+            }
+            wire::SET_ATTITUDE_TARGET_DATA::ID => {
+                self.setpoint = setpoints::attitude(payload, own).and_then(with).or(self.setpoint);
+            }
+            wire::MANUAL_CONTROL_DATA::ID => {
+                let sticks = setpoints::sticks(payload, own);
+                self.sticks = sticks.map(|sticks| (from, sticks)).or(self.sticks);
+            }
+            wire::RC_CHANNELS_OVERRIDE_DATA::ID => {
+                let channels = setpoints::channels(payload, own);
+                self.channels = channels.map(|channels| (from, channels)).or(self.channels);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    #[inline(never)]
+    fn take_other(&mut self, frame: &Frame<'_>, now: u64) -> bool {
+        let (from, payload) = (frame.source, Payload(frame.payload));
+        match frame.id {
+            wire::HEARTBEAT_DATA::ID => {
+                // An unsigned one may be anybody's.
+                let trusted = frame.signature.is_some() || !self.signing.is_on();
+                if payload.byte(4) == GROUND_STATION && trusted {
+                    self.station = Some(now);
+                }
+            }
+            wire::RADIO_STATUS_DATA::ID => {}
+            wire::REQUEST_DATA_STREAM_DATA::ID => self.streams.legacy(payload, self.config.address, now),
+            wire::PING_DATA::ID => self.ping(payload, from),
+            wire::TIMESYNC_DATA::ID => self.time(payload, from, now),
+            wire::FILE_TRANSFER_PROTOCOL_DATA::ID => self.files(payload, from),
+            wire::SETUP_SIGNING_DATA::ID => self.setup_signing(payload, from),
+            _ => return false,
+        }
+        true
+    }
+
+    fn ping(&mut self, payload: Payload<'_>, from: Address) {
+        let Some(asked) = payload.read::<wire::PING_DATA>() else {
+            return;
+        };
+        // With a target it is somebody's answer.
+        if (asked.target_system, asked.target_component) == (0, 0) {
+            let (time, sequence) = (asked.time_usec, asked.seq);
+            self.outbox.reply(Reply::Pong {
+                to: from,
+                time,
+                sequence,
+            });
+        }
+    }
+
+    fn time(&mut self, payload: Payload<'_>, from: Address, now: u64) {
+        let Some(asked) = payload.read::<wire::TIMESYNC_DATA>() else {
+            return;
+        };
+        let meant = self
+            .config
+            .address
+            .is_meant(asked.target_system, asked.target_component);
+        if asked.tc1 == 0 && meant {
+            let ours = i64::try_from(now.saturating_mul(1000)).unwrap_or(i64::MAX);
+            self.outbox.reply(Reply::Time {
+                to: from,
+                theirs: asked.ts1,
+                ours,
+            });
+        }
+    }
+
+    /// There are no files: whatever is asked is refused at once. Answers are not answered.
+    fn files(&mut self, payload: Payload<'_>, from: Address) {
+        let answer = payload.byte(6) >= 128;
+        if answer || !self.config.address.is_meant(payload.byte(1), payload.byte(2)) {
+            return;
+        }
+        self.outbox.reply(Reply::NoFiles {
+            to: from,
+            sequence: payload.word(3).wrapping_add(1),
+            session: payload.byte(5),
+            opcode: payload.byte(6),
+        });
+    }
+
+    fn setup_signing(&mut self, payload: Payload<'_>, from: Address) {
+        let Some(asked) = payload.read::<wire::SETUP_SIGNING_DATA>() else {
+            return;
+        };
+        if asked.target_system != self.config.address.system {
+            return;
+        }
+        let request = Request::SetSigningKey {
+            secret: asked.secret_key,
+            time: asked.initial_timestamp,
+        };
+        self.outbox.request(Order {
+            request,
+            from,
+            id: None,
+        });
+    }
+}

@@ -1,0 +1,305 @@
+//! All services on one channel.
+
+mod dispatch;
+mod recent;
+mod send;
+
+use core::fmt;
+
+use heapless::Deque;
+use windhover_math::Quaternion;
+use windhover_math::geodesy::GlobalPosition;
+use windhover_parameters::Refusal;
+
+use crate::commands::{CommandId, CommandResult, CommandService, Identity};
+use crate::frame::{Address, Counts, Losses, Parser, Writer};
+use crate::mission::{MissionService, PlanStore};
+use crate::outbox::{Dropped, Order, Outbox, Reply};
+use crate::parameters::{self, ParameterService, ParameterTable};
+use crate::request::Request;
+use crate::setpoints::{Channels, Setpoint, Sticks};
+use crate::signing::{Refusals, Signing};
+use crate::streams::Streams;
+use crate::streams::budget::Budget;
+use crate::telemetry::Telemetry;
+use crate::text::Severity;
+
+use recent::Recent;
+use send::Shown;
+
+/// The start of a frame that waits for its end for so long is given up, µs.
+const STALE: u64 = 250_000;
+
+/// Photos that wait to be told.
+const PHOTOS: usize = 4;
+
+/// What is settled when a link begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Who the vehicle is: system 1, component 1 unless there are several.
+    pub address: Address,
+    /// As which autopilot it introduces itself.
+    pub identity: Identity,
+    /// Bytes a second that the channel carries.
+    pub bandwidth: u32,
+    /// Number of the channel among those of the vehicle; signatures name it.
+    pub channel: u8,
+    /// Unique number of the board.
+    pub uid: u64,
+    /// Our own version, as eight bytes of text or of a hash.
+    pub version: [u8; 8],
+}
+
+impl Default for Config {
+    /// System 1, component 1, on a serial port of 57,600 baud.
+    fn default() -> Self {
+        Self {
+            address: Address {
+                system: 1,
+                component: 1,
+            },
+            identity: Identity::Px4,
+            bandwidth: 5_760,
+            channel: 0,
+            uid: 0,
+            version: [0; 8],
+        }
+    }
+}
+
+/// What the link sees of the vehicle, whenever it is called.
+pub struct Context<'a> {
+    /// The state to be told.
+    pub telemetry: &'a Telemetry,
+    /// The parameters.
+    pub parameters: &'a dyn ParameterTable,
+    /// Mission, fence and rally points.
+    pub plans: &'a mut dyn PlanStore,
+}
+
+/// A photo that was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photo {
+    /// Counted from 0.
+    pub index: u32,
+    /// When, µs since start.
+    pub time: u64,
+    /// Where.
+    pub position: GlobalPosition,
+    /// Attitude, body to world.
+    pub attitude: Quaternion,
+}
+
+/// What was counted since start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Frames and bytes in between.
+    pub parser: Counts,
+    /// Frames that did not arrive, by the gaps in their numbers.
+    pub lost: u32,
+    /// Frames with a message that is not understood, skipped whole.
+    pub unknown: u32,
+    /// Frames that the network repeated.
+    pub repeated: u32,
+    /// Frames refused for their signature.
+    pub signing: Refusals,
+    /// What found no room.
+    pub dropped: Dropped,
+    /// Lines of text that found no room.
+    pub texts: u32,
+    /// Streamed messages that the budget left out.
+    pub left_out: u32,
+}
+
+/// One channel to ground stations.
+#[derive(Clone, Debug)]
+pub struct Link {
+    parser: Parser,
+    /// When bytes came last, µs.
+    heard: u64,
+    core: Core,
+}
+
+/// All but the parser, so that frames can be acted on while they lie in its buffer.
+#[derive(Clone, Debug)]
+struct Core {
+    config: Config,
+    writer: Writer,
+    signing: Signing,
+    losses: Losses,
+    recent: Recent,
+    outbox: Outbox,
+    parameters: ParameterService,
+    mission: MissionService,
+    commands: CommandService,
+    streams: Streams,
+    budget: Budget,
+    photos: Deque<Photo, PHOTOS>,
+    setpoint: Option<(Address, Setpoint)>,
+    sticks: Option<(Address, Sticks)>,
+    channels: Option<(Address, Channels)>,
+    shown: Shown,
+    /// When a ground station's heartbeat came last, µs.
+    station: Option<u64>,
+    unknown: u32,
+    repeated: u32,
+}
+
+impl Link {
+    /// A link that has heard nothing yet.
+    pub fn new(config: Config) -> Self {
+        Self {
+            parser: Parser::default(),
+            heard: 0,
+            core: Core {
+                config,
+                writer: Writer::new(config.address),
+                signing: Signing::new(config.channel),
+                losses: Losses::default(),
+                recent: Recent::default(),
+                outbox: Outbox::default(),
+                parameters: ParameterService::default(),
+                mission: MissionService::default(),
+                commands: CommandService::default(),
+                streams: Streams::default(),
+                budget: Budget::new(config.bandwidth),
+                photos: Deque::new(),
+                setpoint: None,
+                sticks: None,
+                channels: None,
+                shown: Shown::default(),
+                station: None,
+                unknown: 0,
+                repeated: 0,
+            },
+        }
+    }
+
+    /// Takes bytes that have come, at `now` µs.
+    pub fn receive(&mut self, bytes: &[u8], now: u64, context: &mut Context<'_>) {
+        let Self { parser, heard, core } = self;
+        *heard = now;
+        parser.feed(bytes, |frame| core.take(frame, now, context));
+    }
+
+    /// Gives the frames that are to be sent at `now` µs, each to one call of `out`. To be called
+    /// every few milliseconds.
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
+        let Self { parser, heard, core } = self;
+        if parser.waits() && now.saturating_sub(*heard) >= STALE {
+            parser.give_up(|frame| core.take(frame, now, context));
+        }
+        core.poll(now, context, out);
+    }
+
+    /// What a ground station wants of the vehicle: commands in the order in which they came, then
+    /// the newest setpoint and sticks.
+    pub fn next_request(&mut self) -> Option<Order> {
+        let core = &mut self.core;
+        let plain = |from, request| Order {
+            request,
+            from,
+            id: None,
+        };
+        if let Some(order) = core.outbox.next_request() {
+            return Some(order);
+        }
+        if let Some((from, setpoint)) = core.setpoint.take() {
+            return Some(plain(from, Request::Offboard(setpoint)));
+        }
+        if let Some((from, sticks)) = core.sticks.take() {
+            return Some(plain(from, Request::Sticks(sticks)));
+        }
+        let (from, channels) = core.channels.take()?;
+        Some(plain(from, Request::Channels(channels)))
+    }
+
+    /// Answers a command. The first final answer counts; [`CommandResult::InProgress`] is not one.
+    pub fn finish(&mut self, id: CommandId, result: CommandResult, now: u64) {
+        self.core.commands.finish(id, result, &mut self.core.outbox, now);
+    }
+
+    /// Tells how far a command has come, in percent.
+    pub fn progress(&mut self, id: CommandId, percent: u8, now: u64) {
+        self.core
+            .commands
+            .progress(id, percent, &mut self.core.outbox, now);
+    }
+
+    /// Tells that a write to the parameter table was refused.
+    pub fn parameter_refused(&mut self, index: u16, refusal: Refusal, table: &dyn ParameterTable, now: u64) {
+        let core = &mut self.core;
+        let mut around = parameters::Surroundings {
+            own: core.config.address,
+            table,
+            outbox: &mut core.outbox,
+            now,
+        };
+        core.parameters.refused(index, refusal, &mut around);
+    }
+
+    /// Tells that a parameter has changed without a ground station having asked for it.
+    pub fn parameter_changed(&mut self, index: u16) {
+        self.core.outbox.reply(Reply::Parameter(index));
+    }
+
+    /// Sends a line of text.
+    pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
+        self.core.outbox.say(severity, text);
+    }
+
+    /// Tells that an item of the mission was reached.
+    pub fn item_reached(&mut self, index: u16) {
+        self.core.outbox.reply(Reply::Reached(index));
+    }
+
+    /// Tells that a photo was taken. The oldest one that was not told yet makes room.
+    pub fn photo_taken(&mut self, photo: Photo) {
+        let photos = &mut self.core.photos;
+        if photos.is_full() {
+            photos.pop_front();
+        }
+        let _ = photos.push_back(photo);
+    }
+
+    /// From now on only frames signed with this key are acted on. `time` is in 10 µs since
+    /// 2015-01-01, later than all that was ever signed with it.
+    pub fn set_signing_key(&mut self, secret: [u8; 32], time: u64, now: u64) {
+        self.core.signing.set_key(secret, time, now);
+    }
+
+    /// Acts on unsigned frames again.
+    pub fn clear_signing_key(&mut self) {
+        self.core.signing.clear_key();
+    }
+
+    /// The time of signing to be stored for the next start; `None` without a key.
+    pub fn signing_time(&self, now: u64) -> Option<u64> {
+        self.core.signing.time(now)
+    }
+
+    /// Introduces the vehicle as another autopilot from now on.
+    pub fn set_identity(&mut self, identity: Identity) {
+        self.core.config.identity = identity;
+    }
+
+    /// When a ground station's heartbeat came last, µs.
+    pub fn station_heard(&self) -> Option<u64> {
+        self.core.station
+    }
+
+    /// What was counted since start.
+    pub fn counters(&self) -> Counters {
+        let core = &self.core;
+        Counters {
+            parser: self.parser.counts(),
+            lost: core.losses.lost(),
+            unknown: core.unknown,
+            repeated: core.repeated,
+            signing: core.signing.refusals(),
+            dropped: core.outbox.dropped,
+            texts: core.outbox.texts.dropped(),
+            left_out: core.streams.left_out(),
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! What is sent, in the order of importance: heartbeat, answers, text, photos, then streams and the
+//! list of parameters in turn.
+
+use mavlink::dialects::common::{
+    FILE_TRANSFER_PROTOCOL_DATA, MESSAGE_INTERVAL_DATA, PING_DATA, TIMESYNC_DATA,
+};
+
+use super::{Context, Core};
+use crate::commands;
+use crate::frame::{Address, MAX_FRAME};
+use crate::mission::{self, PlanKind};
+use crate::outbox::Reply;
+use crate::parameters;
+use crate::streams::{self, encode, version};
+use crate::telemetry::{Landed, Telemetry};
+use crate::wire::Message;
+
+/// The code in a file transfer that refuses, and the reason "unknown command".
+const REFUSED: u8 = 129;
+const UNKNOWN_COMMAND: u8 = 7;
+
+/// What was told last: a change is told at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Shown {
+    heartbeat: (u32, bool, bool),
+    landed: Landed,
+    mission: (crate::telemetry::Progress, u32),
+    home: Option<windhover_math::geodesy::GlobalPosition>,
+}
+
+impl Shown {
+    fn of(telemetry: &Telemetry, mission: u32) -> Self {
+        Self {
+            heartbeat: (telemetry.mode.custom(), telemetry.armed, telemetry.failsafe),
+            landed: telemetry.landed,
+            mission: (telemetry.mission, mission),
+            home: telemetry.home,
+        }
+    }
+}
+
+impl Core {
+    /// Sends what is due.
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
+        self.go_on(now, context);
+        self.notice(now, context);
+        self.budget.advance(now);
+        if self.streams.heartbeat(now) {
+            self.send_telemetry(streams::HEARTBEAT, now, context, out);
+        }
+        while self.budget.allows_answer()
+            && let Some(reply) = self.outbox.next_reply()
+        {
+            if let Some(message) = self.answer(&reply, now, context) {
+                self.send(&message, now, out);
+            }
+        }
+        self.send_rest(now, context, out);
+    }
+
+    /// Lets the services notice that time has passed.
+    fn go_on(&mut self, now: u64, context: &mut Context<'_>) {
+        self.commands.poll(&mut self.outbox, now);
+        self.mission.poll(&mut mission::Surroundings {
+            own: self.config.address,
+            plans: &mut *context.plans,
+            outbox: &mut self.outbox,
+            now,
+        });
+        self.parameters.poll(&mut parameters::Surroundings {
+            own: self.config.address,
+            table: context.parameters,
+            outbox: &mut self.outbox,
+            now,
+        });
+    }
+
+    /// What has changed is told at once.
+    fn notice(&mut self, now: u64, context: &Context<'_>) {
+        let mission = context.plans.committed(PlanKind::Mission).crc;
+        let shown = Shown::of(context.telemetry, mission);
+        let changes = [
+            (shown.heartbeat != self.shown.heartbeat, streams::HEARTBEAT),
+            (shown.landed != self.shown.landed, streams::EXTENDED_SYS_STATE),
+            (shown.mission != self.shown.mission, streams::MISSION_CURRENT),
+            (shown.home != self.shown.home, streams::HOME_POSITION),
+        ];
+        for (_, message) in changes.into_iter().filter(|(changed, _)| *changed) {
+            self.streams.hasten(message, now);
+        }
+        self.shown = shown;
+    }
+
+    /// What has to wait for the budget.
+    #[inline(never)]
+    fn send_rest(&mut self, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
+        if self.outbox.has_replies() {
+            return;
+        }
+        while self.budget.allows()
+            && let Some(message) = self.outbox.texts.next()
+        {
+            self.send(&message, now, out);
+        }
+        while self.budget.allows()
+            && let Some(photo) = self.photos.pop_front()
+        {
+            let message = encode::image_captured(&photo, &self.source(now, context));
+            self.send(&message, now, out);
+        }
+        while self.budget.allows() {
+            let stream = self.streams.next(now);
+            if let Some(number) = stream {
+                self.send_telemetry(number, now, context, out);
+            }
+            let listed = self.parameters.next_of_list(context.parameters);
+            if let Some(index) = listed
+                && let Some(message) = parameters::value_message(context.parameters, index)
+            {
+                self.send(&message, now, out);
+            }
+            if stream.is_none() && listed.is_none() {
+                break;
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn send_telemetry(&mut self, number: u16, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
+        if let Some(message) = encode::message(number, &self.source(now, context)) {
+            self.send(&message, now, out);
+        }
+    }
+
+    /// Makes a frame around a message, signed if there is a key.
+    #[inline(never)]
+    fn send(&mut self, message: &Message, now: u64, out: &mut impl FnMut(&[u8])) {
+        let mut buffer = [0; MAX_FRAME];
+        let signing = &mut self.signing;
+        let length = if signing.is_on() {
+            let mut sign = |covered: &[u8]| signing.sign(covered, now);
+            self.writer
+                .write(&mut buffer, message.id, message.payload(), Some(&mut sign))
+        } else {
+            self.writer
+                .write(&mut buffer, message.id, message.payload(), None)
+        };
+        if let Some(frame) = length.and_then(|length| buffer.get(..length)) {
+            self.budget.spend(frame.len());
+            out(frame);
+        }
+    }
+
+    /// What messages of telemetry are made from.
+    #[inline(never)]
+    pub(super) fn source<'a>(&self, now: u64, context: &'a Context<'_>) -> encode::Source<'a> {
+        let (lost, received) = (self.losses.lost() as f32, self.losses.received() as f32);
+        encode::Source {
+            telemetry: context.telemetry,
+            identity: self.config.identity,
+            plans: PlanKind::EACH.map(|kind| context.plans.committed(kind)),
+            loss: if received > 0.0 {
+                lost / (lost + received)
+            } else {
+                0.0
+            },
+            now,
+        }
+    }
+
+    /// An answer as a message; `None` when what was asked for is gone.
+    #[inline(never)]
+    fn answer(&self, reply: &Reply, now: u64, context: &Context<'_>) -> Option<Message> {
+        Some(match *reply {
+            Reply::Command {
+                to,
+                command,
+                result,
+                progress,
+            } => commands::ack_message(to, command, result, progress),
+            Reply::PlanAck { to, kind, result } => mission::ack_message(to, kind, result),
+            Reply::PlanCount { to, kind, count, crc } => mission::count_message(to, kind, count, crc),
+            Reply::PlanRequest { to, kind, index } => mission::request_message(to, kind, index),
+            Reply::PlanItem { to, kind, index } => item(to, kind, index, context)?,
+            Reply::Reached(index) => encode::reached(index),
+            Reply::Parameter(index) => parameters::value_message(context.parameters, index)?,
+            Reply::ParameterHash => parameters::hash_message(context.parameters),
+            Reply::Telemetry(number) => encode::message(number, &self.source(now, context))?,
+            Reply::Version => version::autopilot(self.config.uid, self.config.version),
+            Reply::Protocol => version::protocol(),
+            Reply::Interval(message) => interval(message, self.streams.interval(u32::from(message))),
+            Reply::Pong { to, time, sequence } => Message::of(&PING_DATA {
+                time_usec: time,
+                seq: sequence,
+                target_system: to.system,
+                target_component: to.component,
+            }),
+            Reply::Time { to, theirs, ours } => Message::of(&TIMESYNC_DATA {
+                tc1: ours,
+                ts1: theirs,
+                target_system: to.system,
+                target_component: to.component,
+            }),
+            Reply::NoFiles {
+                to,
+                sequence,
+                session,
+                opcode,
+            } => no_files(to, sequence, session, opcode),
+        })
+    }
+}
+
+/// An item of the plan in use.
+fn item(to: Address, kind: PlanKind, index: u16, context: &Context<'_>) -> Option<Message> {
+    let plan = context.plans.committed(kind);
+    let item = context.plans.item(kind, plan.slot, index)?;
+    let current = kind == PlanKind::Mission && context.telemetry.mission.current == index;
+    Some(mission::item_message(to, kind, index, current, &item))
+}
+
+/// `MESSAGE_INTERVAL`: -1 is never, 0 says that there is no such message.
+fn interval(message: u16, interval: Option<u32>) -> Message {
+    let interval_us = match interval {
+        None => 0,
+        Some(0) => -1,
+        Some(interval) => i32::try_from(interval).unwrap_or(i32::MAX),
+    };
+    Message::of(&MESSAGE_INTERVAL_DATA {
+        interval_us,
+        message_id: message,
+    })
+}
+
+/// `FILE_TRANSFER_PROTOCOL` with a refusal: sequence, session, code, size, what was asked, reason.
+fn no_files(to: Address, sequence: u16, session: u8, opcode: u8) -> Message {
+    Message::of(&FILE_TRANSFER_PROTOCOL_DATA {
+        target_system: to.system,
+        target_component: to.component,
+        ..FILE_TRANSFER_PROTOCOL_DATA::DEFAULT
+    })
+    .with_word(3, sequence)
+    .with_byte(5, session)
+    .with_byte(6, REFUSED)
+    .with_byte(7, 1)
+    .with_byte(8, opcode)
+    .with_byte(15, UNKNOWN_COMMAND)
+}

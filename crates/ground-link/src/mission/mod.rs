@@ -1,0 +1,183 @@
+//! The mission protocol, for mission, fence and rally points.
+//!
+//! In an upload the vehicle drives: it asks for item after item, and asks again when none comes.
+//! Items are staged in a slot that is not in use, and the plan is committed whole after the last
+//! one, or not at all. Downloads are driven by clients; any number of them may read at once.
+
+mod download;
+mod item;
+mod plan;
+mod refusal;
+mod upload;
+
+use heapless::Vec;
+use mavlink::dialects::common::{
+    MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA,
+    MISSION_REQUEST_LIST_DATA, MavMissionType,
+};
+
+use crate::frame::Address;
+use crate::outbox::{Outbox, Reply};
+use crate::text::Severity;
+use crate::wire::{Message, Payload};
+
+use download::Download;
+use upload::{Finished, Upload};
+
+pub use plan::{MissionResult, PlanKind, PlanRefusal, PlanStore};
+
+/// Downloads whose plan is watched for changes.
+const DOWNLOADS: usize = 4;
+
+/// `MAV_MISSION_TYPE_ALL`: for clearing only.
+const ALL: u8 = MavMissionType::MAV_MISSION_TYPE_ALL as u8;
+
+/// What the service works with.
+pub(crate) struct Surroundings<'a> {
+    pub own: Address,
+    pub plans: &'a mut dyn PlanStore,
+    pub outbox: &'a mut Outbox,
+    /// µs.
+    pub now: u64,
+}
+
+impl Surroundings<'_> {
+    #[inline(never)]
+    fn ack(&mut self, to: Address, kind: u8, result: MissionResult) {
+        self.outbox.reply(Reply::PlanAck { to, kind, result });
+    }
+
+    /// Refuses with a reason that a human can read.
+    #[inline(never)]
+    fn refuse(&mut self, to: Address, kind: PlanKind, refusal: &PlanRefusal) {
+        self.ack(to, kind.code(), refusal.result);
+        let reason = refusal.reason.as_str();
+        self.outbox
+            .say(Severity::Error, format_args!("{} refused: {reason}", kind.name()));
+    }
+}
+
+/// The state of the protocol.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MissionService {
+    upload: Option<Upload>,
+    finished: Option<Finished>,
+    downloads: Vec<Download, DOWNLOADS>,
+}
+
+impl MissionService {
+    /// `MISSION_CLEAR_ALL`.
+    pub fn clear(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
+        let Some(asked) = payload.read_with::<MISSION_CLEAR_ALL_DATA>(&[(2, 0)]) else {
+            return;
+        };
+        if !around.own.is_meant(asked.target_system, asked.target_component) {
+            return;
+        }
+        let code = payload.byte(2);
+        let kinds = match (code, PlanKind::from_code(code)) {
+            (ALL, _) => &PlanKind::EACH[..],
+            (_, Some(PlanKind::Mission)) => &[PlanKind::Mission],
+            (_, Some(PlanKind::Fence)) => &[PlanKind::Fence],
+            (_, Some(PlanKind::Rally)) => &[PlanKind::Rally],
+            (_, None) => return around.ack(from, code, MissionResult::Unsupported),
+        };
+        if self.upload.as_ref().is_some_and(|upload| upload.from != from) {
+            return around.ack(from, code, MissionResult::Denied);
+        }
+        self.abandon(around);
+        for kind in kinds {
+            if let Err(refusal) = commit_empty(*kind, around.plans) {
+                around.ack(from, code, refusal.result);
+                let reason = refusal.reason.as_str();
+                let text = format_args!("{} not cleared: {reason}", kind.name());
+                return around.outbox.say(Severity::Error, text);
+            }
+        }
+        around.ack(from, code, MissionResult::Accepted);
+    }
+
+    /// Partial lists are not understood.
+    pub fn partial(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
+        if around.own.is_meant(payload.byte(4), payload.byte(5)) {
+            around.ack(from, payload.byte(6), MissionResult::Unsupported);
+        }
+    }
+
+    /// Ends an upload without a trace.
+    fn abandon(&mut self, around: &mut Surroundings<'_>) {
+        if let Some(upload) = self.upload.take() {
+            around.plans.abort(upload.kind);
+        }
+    }
+}
+
+/// Puts an empty plan in the place of the present one.
+fn commit_empty(kind: PlanKind, plans: &mut dyn PlanStore) -> Result<(), PlanRefusal> {
+    let slot = plans.begin(kind, 0)?;
+    let commit = windhover_autopilot::MissionCommit {
+        slot,
+        count: 0,
+        crc: 0,
+    };
+    let outcome = plans.commit(kind, commit);
+    if outcome.is_err() {
+        plans.abort(kind);
+    }
+    outcome
+}
+
+/// `MISSION_ACK`.
+pub(crate) fn ack_message(to: Address, kind: u8, result: MissionResult) -> Message {
+    Message::of(&MISSION_ACK_DATA {
+        target_system: to.system,
+        target_component: to.component,
+        mavtype: result.wire(),
+        ..MISSION_ACK_DATA::DEFAULT
+    })
+    .with_byte(3, kind)
+}
+
+/// `MISSION_COUNT`.
+pub(crate) fn count_message(to: Address, kind: PlanKind, count: u16, crc: u32) -> Message {
+    Message::of(&MISSION_COUNT_DATA {
+        count,
+        target_system: to.system,
+        target_component: to.component,
+        mission_type: kind.wire(),
+        opaque_id: crc,
+    })
+}
+
+/// `MISSION_REQUEST_INT`.
+pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16) -> Message {
+    Message::of(&MISSION_REQUEST_INT_DATA {
+        seq: index,
+        target_system: to.system,
+        target_component: to.component,
+        mission_type: kind.wire(),
+    })
+}
+
+pub(crate) use item::item_message;
+
+/// Reads a message whose type of plan may be any number: the message, and the kind or its number.
+fn list_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_LIST_DATA, Result<PlanKind, u8>)> {
+    let code = payload.byte(2);
+    let asked = payload.read_with(&[(2, 0)])?;
+    Some((asked, PlanKind::from_code(code).ok_or(code)))
+}
+
+/// The same for a request for an item, whose numbers are two bytes further on.
+fn item_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_INT_DATA, Result<PlanKind, u8>)> {
+    let code = payload.byte(4);
+    let asked = payload.read_with(&[(4, 0)])?;
+    Some((asked, PlanKind::from_code(code).ok_or(code)))
+}
+
+/// The same for a count.
+fn count_request(payload: Payload<'_>) -> Option<(MISSION_COUNT_DATA, Result<PlanKind, u8>)> {
+    let code = payload.byte(4);
+    let asked = payload.read_with(&[(4, 0)])?;
+    Some((asked, PlanKind::from_code(code).ok_or(code)))
+}

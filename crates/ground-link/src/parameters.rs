@@ -1,0 +1,286 @@
+//! The parameter protocol: list, read by name and index, set, hash.
+//!
+//! Every parameter is `REAL32`: clients disagree on how integers are encoded. A value in range
+//! becomes a [`Request::WriteParameter`]; what is sent back is what the table then holds, so that
+//! a client never believes what is not so. A value out of range is answered with the old one, and
+//! with a line of text that says the range.
+
+use heapless::Vec;
+use mavlink::dialects::common::{
+    MavParamType, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
+};
+use windhover_parameters::{Declaration, Refusal};
+
+use crate::checksum::update;
+use crate::frame::Address;
+use crate::outbox::{Order, Outbox, Reply};
+use crate::request::Request;
+use crate::text::{Decimal, Severity};
+use crate::wire::{Message, Payload};
+
+/// The name under which clients ask for a hash over all names and values.
+const HASH: &str = "_HASH_CHECK";
+
+/// Writes that wait for the table to show them.
+const WRITES: usize = 4;
+
+/// A write that the table does not show after this time is answered with what it holds, µs.
+const WRITE_TIMEOUT: u64 = 400_000;
+
+/// The index that says "by name".
+const BY_NAME: i16 = -1;
+
+/// The parameters of the vehicle as the caller keeps them.
+pub trait ParameterTable {
+    /// How many there are.
+    fn count(&self) -> u16;
+    /// The declaration of one.
+    fn declaration(&self, index: u16) -> Option<&'static Declaration>;
+    /// The value of one.
+    fn value(&self, index: u16) -> Option<f32>;
+    /// The index of one by its name.
+    fn find(&self, name: &str) -> Option<u16> {
+        let named = |index: &u16| self.declaration(*index).is_some_and(|found| found.name == name);
+        (0..self.count()).find(named)
+    }
+}
+
+impl ParameterTable for windhover_autopilot::Parameters {
+    fn count(&self) -> u16 {
+        u16::try_from(Self::COUNT).unwrap_or(u16::MAX)
+    }
+
+    fn declaration(&self, index: u16) -> Option<&'static Declaration> {
+        Self::declaration(usize::from(index))
+    }
+
+    fn value(&self, index: u16) -> Option<f32> {
+        self.get(usize::from(index))
+    }
+}
+
+/// A write that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct Write {
+    index: u16,
+    value: f32,
+    deadline: u64,
+}
+
+/// The state of the protocol.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ParameterService {
+    /// The next parameter of the list that is being sent.
+    listing: Option<u16>,
+    writes: Vec<Write, WRITES>,
+}
+
+/// What the service works with.
+pub(crate) struct Surroundings<'a> {
+    pub own: Address,
+    pub table: &'a dyn ParameterTable,
+    pub outbox: &'a mut Outbox,
+    /// µs.
+    pub now: u64,
+}
+
+impl ParameterService {
+    /// Sends the list from its start.
+    pub fn list(&mut self, payload: Payload<'_>, own: Address) {
+        if let Some(asked) = payload.read::<PARAM_REQUEST_LIST_DATA>()
+            && own.is_meant(asked.target_system, asked.target_component)
+        {
+            self.listing = Some(0);
+        }
+    }
+
+    /// Sends one parameter, or the hash. What there is not is not answered.
+    pub fn read(&mut self, payload: Payload<'_>, around: &mut Surroundings<'_>) {
+        let Some(asked) = payload.read::<PARAM_REQUEST_READ_DATA>() else {
+            return;
+        };
+        if !around.own.is_meant(asked.target_system, asked.target_component) {
+            return;
+        }
+        let name = crate::wire::text(&*asked.param_id);
+        let index = match asked.param_index {
+            BY_NAME if name == HASH => return around.outbox.reply(Reply::ParameterHash),
+            BY_NAME => around.table.find(name),
+            index => u16::try_from(index).ok(),
+        };
+        if let Some(index) = index.filter(|index| *index < around.table.count()) {
+            around.outbox.reply(Reply::Parameter(index));
+        }
+    }
+
+    /// Asks for a write, or says why not.
+    pub fn set(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
+        // The type (byte 22) may be anything: the value is a float all the same.
+        let real = (22, MavParamType::MAV_PARAM_TYPE_REAL32 as u8);
+        let Some(asked) = payload.read_with::<PARAM_SET_DATA>(&[real]) else {
+            return;
+        };
+        if !around.own.is_meant(asked.target_system, asked.target_component) {
+            return;
+        }
+        let name = crate::wire::text(&*asked.param_id);
+        if name == HASH {
+            return self.compare(asked.param_value, around);
+        }
+        let found = around.table.find(name);
+        let Some((index, declaration)) =
+            found.and_then(|index| Some((index, around.table.declaration(index)?)))
+        else {
+            let text = format_args!("{name}: there is no such parameter");
+            return around.outbox.say(Severity::Warning, text);
+        };
+        let value = asked.param_value;
+        if value.is_subnormal() {
+            around.outbox.reply(Reply::Parameter(index));
+            let text = format_args!("{name}: to be sent as REAL32");
+            return around.outbox.say(Severity::Warning, text);
+        }
+        if let Err(refusal) = declaration.check(value) {
+            return refuse(index, refusal, around);
+        }
+        self.write(
+            Write {
+                index,
+                value,
+                deadline: around.now + WRITE_TIMEOUT,
+            },
+            from,
+            around,
+        );
+    }
+
+    /// A client that already knows all values says so by setting the hash: no more of the list.
+    fn compare(&mut self, theirs: f32, around: &mut Surroundings<'_>) {
+        if theirs.to_bits() == hash(around.table) {
+            self.listing = None;
+        }
+        around.outbox.reply(Reply::ParameterHash);
+    }
+
+    fn write(&mut self, write: Write, from: Address, around: &mut Surroundings<'_>) {
+        let shown = around.table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
+        if shown && !self.writes.iter().any(|other| other.index == write.index) {
+            return around.outbox.reply(Reply::Parameter(write.index));
+        }
+        let request = Request::WriteParameter {
+            index: write.index,
+            value: write.value,
+        };
+        self.writes.retain(|other| other.index != write.index);
+        let order = Order {
+            request,
+            from,
+            id: None,
+        };
+        if self.writes.is_full() || !around.outbox.request(order) {
+            around.outbox.reply(Reply::Parameter(write.index));
+            return around
+                .outbox
+                .say(Severity::Warning, format_args!("parameter not set: busy"));
+        }
+        let _ = self.writes.push(write);
+    }
+
+    /// A write was refused by the vehicle.
+    pub fn refused(&mut self, index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
+        let before = self.writes.len();
+        self.writes.retain(|write| write.index != index);
+        if self.writes.len() < before {
+            refuse(index, refusal, around);
+        }
+    }
+
+    /// Answers writes that the table shows, or has not shown in time.
+    pub fn poll(&mut self, around: &mut Surroundings<'_>) {
+        let Surroundings {
+            table, outbox, now, ..
+        } = around;
+        self.writes.retain(|write| {
+            let shown = table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
+            if shown || *now >= write.deadline {
+                outbox.reply(Reply::Parameter(write.index));
+                return false;
+            }
+            true
+        });
+    }
+
+    /// The next parameter of the list that is being sent.
+    pub fn next_of_list(&mut self, table: &dyn ParameterTable) -> Option<u16> {
+        let index = self.listing?;
+        self.listing = (index.saturating_add(1) < table.count()).then_some(index + 1);
+        (index < table.count()).then_some(index)
+    }
+}
+
+fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
+    around.outbox.reply(Reply::Parameter(index));
+    let name = around
+        .table
+        .declaration(index)
+        .map_or("", |declaration| declaration.name);
+    match refusal {
+        Refusal::OutOfRange { min, max } => {
+            let (min, max) = (Decimal(min), Decimal(max));
+            let text = format_args!("{name}: the range is {min} to {max}");
+            around.outbox.say(Severity::Warning, text);
+        }
+        // Not by their `Display`, which brings the standard way of writing floats with it.
+        Refusal::Unknown => around.outbox.say(
+            Severity::Warning,
+            format_args!("{name}: there is no such parameter"),
+        ),
+        Refusal::Inconsistent => {
+            let text = format_args!("{name}: it does not go with the other parameters");
+            around.outbox.say(Severity::Warning, text);
+        }
+    }
+}
+
+/// A hash over all names and values, in the order of the names, as PX4 and QGroundControl have it:
+/// CRC-32 without its inversions.
+pub(crate) fn hash(table: &dyn ParameterTable) -> u32 {
+    let mut crc = 0;
+    let mut last = "";
+    while let Some((name, value)) = following(table, last) {
+        crc = update(update(crc, name.as_bytes()), &value.to_le_bytes());
+        last = name;
+    }
+    crc
+}
+
+/// The parameter whose name comes next after `last`.
+fn following(table: &dyn ParameterTable, last: &str) -> Option<(&'static str, f32)> {
+    let named = (0..table.count()).filter_map(|index| {
+        let name = table.declaration(index)?.name;
+        (name > last).then_some((name, table.value(index)?))
+    });
+    named.min_by_key(|(name, _)| *name)
+}
+
+/// `PARAM_VALUE` of one parameter.
+pub(crate) fn value_message(table: &dyn ParameterTable, index: u16) -> Option<Message> {
+    Some(Message::of(&PARAM_VALUE_DATA {
+        param_value: table.value(index)?,
+        param_count: table.count(),
+        param_index: index,
+        param_id: table.declaration(index)?.name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    }))
+}
+
+/// `PARAM_VALUE` of the hash: 32 bits that are no float, and belong to no index.
+pub(crate) fn hash_message(table: &dyn ParameterTable) -> Message {
+    Message::of(&PARAM_VALUE_DATA {
+        param_value: f32::from_bits(hash(table)),
+        param_count: table.count(),
+        param_index: u16::MAX,
+        param_id: HASH.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_UINT32,
+    })
+}

@@ -1,0 +1,247 @@
+//! Lines of text for a human, with a severity; long ones go out in parts.
+
+use core::fmt::{self, Write};
+
+use heapless::{Deque, String};
+use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
+
+use crate::wire::Message;
+
+/// The longest line.
+const LINE: usize = 150;
+
+/// Lines that wait.
+const LINES: usize = 6;
+
+/// Bytes of a line in one message.
+const PART: usize = 50;
+
+/// How bad it is (`MAV_SEVERITY`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The vehicle is unusable.
+    Emergency,
+    /// To be acted on at once.
+    Alert,
+    /// A primary system failed.
+    Critical,
+    /// A secondary system failed, or something was refused.
+    Error,
+    /// It may become an error.
+    Warning,
+    /// Unusual, not an error.
+    Notice,
+    /// Normal.
+    Info,
+    /// For developers.
+    Debug,
+}
+
+impl Severity {
+    fn wire(self) -> MavSeverity {
+        match self {
+            Self::Emergency => MavSeverity::MAV_SEVERITY_EMERGENCY,
+            Self::Alert => MavSeverity::MAV_SEVERITY_ALERT,
+            Self::Critical => MavSeverity::MAV_SEVERITY_CRITICAL,
+            Self::Error => MavSeverity::MAV_SEVERITY_ERROR,
+            Self::Warning => MavSeverity::MAV_SEVERITY_WARNING,
+            Self::Notice => MavSeverity::MAV_SEVERITY_NOTICE,
+            Self::Info => MavSeverity::MAV_SEVERITY_INFO,
+            Self::Debug => MavSeverity::MAV_SEVERITY_DEBUG,
+        }
+    }
+}
+
+/// A line of text of at most so many bytes, that ends where it is full.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Line<const LENGTH: usize = LINE>(String<LENGTH>);
+
+impl<const LENGTH: usize> Line<LENGTH> {
+    /// What `text` says, as far as it fits.
+    pub fn new(text: fmt::Arguments<'_>) -> Self {
+        let mut line = Self::default();
+        let _ = line.write_fmt(text);
+        line
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl<const LENGTH: usize> Write for Line<LENGTH> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for letter in text.chars() {
+            self.0.push(letter).map_err(|_| fmt::Error)?;
+        }
+        Ok(())
+    }
+}
+
+/// A number as text with up to four decimals: the standard way costs a tenth of our flash.
+#[derive(Clone, Copy, Debug)]
+pub struct Decimal(pub f32);
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_nan() {
+            return f.write_str("nan");
+        }
+        let size = self.0.abs();
+        if size >= 1e9 {
+            return f.write_str(if self.0 < 0.0 { "below -1e9" } else { "above 1e9" });
+        }
+        let (mut whole, mut rest) = (size as u32, ((size - size as u32 as f32) * 1e4 + 0.5) as u32);
+        if rest >= 10_000 {
+            (whole, rest) = (whole + 1, 0);
+        }
+        if self.0 < 0.0 && (whole, rest) != (0, 0) {
+            f.write_str("-")?;
+        }
+        write!(f, "{whole}")?;
+        if rest == 0 {
+            return Ok(());
+        }
+        f.write_str(".")?;
+        let mut place = 1_000;
+        while rest != 0 && place != 0 {
+            write!(f, "{}", rest / place)?;
+            rest %= place;
+            place /= 10;
+        }
+        Ok(())
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Waiting {
+    severity: Severity,
+    line: Line,
+}
+
+/// Lines that wait to be sent.
+#[derive(Clone, Debug, Default)]
+pub struct Texts {
+    lines: Deque<Waiting, LINES>,
+    /// Number of the line under way, and of its next part.
+    line: u16,
+    part: u8,
+    dropped: u32,
+}
+
+impl Texts {
+    /// Puts a line at the end; when there is no room, it is counted.
+    pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
+        let line = Line::new(text);
+        if self.lines.push_back(Waiting { severity, line }).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// Lines for which there was no room, since start.
+    pub fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    /// The next part to be sent.
+    pub(crate) fn next(&mut self) -> Option<Message> {
+        let waiting = self.lines.front()?;
+        let text = waiting.line.as_str().as_bytes();
+        let from = usize::from(self.part) * PART;
+        let rest = text.get(from..).unwrap_or_default();
+        let mut part = [0; PART];
+        crate::frame::put(&mut part, rest);
+        let alone = text.len() <= PART;
+        let message = STATUSTEXT_DATA {
+            severity: waiting.severity.wire(),
+            text: part.into(),
+            id: if alone { 0 } else { self.line.saturating_add(1) },
+            chunk_seq: self.part,
+        };
+        // A part that is not full is the last one: a line that fills its parts needs one more.
+        if alone || rest.len() < PART {
+            self.lines.pop_front();
+            self.line = (self.line + 1) % 0x7fff;
+            self.part = 0;
+        } else {
+            self.part += 1;
+        }
+        Some(Message::of(&message))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::format;
+    use std::string::String;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::wire::Payload;
+
+    fn parts(texts: &mut Texts) -> Vec<(u16, u8, String)> {
+        core::iter::from_fn(|| texts.next())
+            .map(|message| {
+                let data: STATUSTEXT_DATA = Payload(message.payload()).read().unwrap();
+                let text: Vec<u8> = data.text.iter().copied().take_while(|byte| *byte != 0).collect();
+                (data.id, data.chunk_seq, String::from_utf8(text).unwrap())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_short_line_is_one_message_and_a_long_one_is_numbered_parts() {
+        let mut texts = Texts::default();
+        texts.say(Severity::Info, format_args!("ready"));
+        texts.say(Severity::Error, format_args!("{:a<120}", ""));
+        texts.say(Severity::Error, format_args!("{:b<100}", ""));
+        let parts = parts(&mut texts);
+        assert_eq!(parts[0], (0, 0, "ready".into()));
+        let lengths: Vec<_> = parts
+            .iter()
+            .map(|(id, part, text)| (*id, *part, text.len()))
+            .collect();
+        let long = [
+            (2, 0, 50),
+            (2, 1, 50),
+            (2, 2, 20),
+            (3, 0, 50),
+            (3, 1, 50),
+            (3, 2, 0),
+        ];
+        assert_eq!(lengths[1..], long);
+    }
+
+    #[test]
+    fn a_line_too_long_is_cut_and_too_many_are_counted() {
+        let mut texts = Texts::default();
+        for _ in 0..LINES + 3 {
+            texts.say(Severity::Info, format_args!("{:ä<300}", ""));
+        }
+        assert_eq!(texts.dropped(), 3);
+        assert_eq!(<Line>::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+    }
+
+    #[test]
+    fn numbers_are_written_with_the_decimals_that_they_need() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.5, "1.5"),
+            (-2.0, "-2"),
+            (0.02, "0.02"),
+            (-0.25, "-0.25"),
+            (0.99999, "1"),
+            (4000.0, "4000"),
+            (10.05, "10.05"),
+            (0.000_01, "0"),
+            (f32::NAN, "nan"),
+            (f32::NEG_INFINITY, "below -1e9"),
+        ] {
+            assert_eq!(format!("{}", Decimal(number)), text);
+        }
+    }
+}

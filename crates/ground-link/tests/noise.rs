@@ -1,0 +1,165 @@
+//! Noise and valid frames with any content: nothing panics, nothing changes that was not accepted,
+//! and the link still answers afterwards.
+#![allow(deprecated)]
+
+mod common;
+
+use common::*;
+use mavlink::Message;
+use mavlink::dialects::common::*;
+use windhover_ground_link::{CommandResult, PlanKind};
+
+/// The messages that the link acts on.
+const UNDERSTOOD: [u32; 27] = [
+    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110,
+    111,
+];
+
+/// A bench whose vehicle refuses all that can be refused.
+fn bench() -> Bench {
+    let mut bench = Bench::new();
+    bench.vehicle.answer = |_| Some(CommandResult::Denied);
+    bench.vehicle.store.refuse_commit = true;
+    bench
+}
+
+fn still_answers(bench: &mut Bench) {
+    bench.run(1_000_000);
+    let command = long(MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH, [NAN; 7]);
+    assert_eq!(all::<COMMAND_ACK_DATA>(&bench.ask(&command)).len(), 1);
+    let read = PARAM_REQUEST_READ_DATA {
+        param_index: 0,
+        target_system: 1,
+        target_component: 1,
+        ..PARAM_REQUEST_READ_DATA::DEFAULT
+    };
+    assert_eq!(all::<PARAM_VALUE_DATA>(&bench.ask(&read)).len(), 1);
+    bench.run(12_000_000);
+    let seen = bench.ask(&count(3, MavMissionType::MAV_MISSION_TYPE_MISSION));
+    assert_eq!(all::<MISSION_REQUEST_INT_DATA>(&seen).len(), 1);
+}
+
+#[test]
+fn a_million_bytes_of_noise() {
+    for seed in 1..=4 {
+        let mut bench = bench();
+        let mut random = Random::new(seed);
+        let before = bench.vehicle.parameters;
+        for _ in 0..2_500 {
+            let starts = random.below(3);
+            let noise: Vec<u8> = (0..100)
+                .map(|_| match random.below(8) {
+                    0 if starts > 0 => 0xfd,
+                    1 if starts > 1 => 0xfe,
+                    _ => random.next() as u8,
+                })
+                .collect();
+            bench.vehicle.receive(&noise, bench.now);
+            if random.percent(5) {
+                bench.run(STEP);
+            }
+        }
+        assert!(bench.vehicle.orders.is_empty());
+        assert_eq!(bench.vehicle.parameters, before);
+        still_answers(&mut bench);
+    }
+}
+
+/// A payload of random bytes, often for us, often with numbers at the edge.
+fn payload(random: &mut Random) -> Vec<u8> {
+    let length = 1 + random.below(255) as usize;
+    let edge = random.below(3) > 0;
+    (0..length)
+        .map(|_| match random.below(6) {
+            0 | 1 if edge => 1,
+            2 if edge => 0,
+            3 if edge => 255,
+            _ => random.next() as u8,
+        })
+        .collect()
+}
+
+#[test]
+fn a_hundred_thousand_valid_frames_with_any_content() {
+    let ids: Vec<u32> = (0..12_000).filter(|id| MavMessage::extra_crc(*id) != 0).collect();
+    for seed in 1..=4 {
+        let mut bench = bench();
+        let mut stations = [Station::new(255), Station::new(254), Station::new(1)];
+        let mut random = Random::new(seed);
+        let before = bench.vehicle.parameters;
+        let mut accepted = 0;
+        for _ in 0..25_000 {
+            let known = UNDERSTOOD[random.below(27) as usize];
+            let any = ids[random.below(ids.len() as u64) as usize];
+            let id = if random.percent(90) { known } else { any };
+            let station = &mut stations[random.below(3) as usize];
+            let frame = station.raw(id, &payload(&mut random));
+            bench.vehicle.receive(&frame, bench.now);
+            if random.percent(30) {
+                accepted += accepted_plans(&bench.run(STEP));
+            }
+        }
+        let writes = bench
+            .vehicle
+            .orders
+            .iter()
+            .filter(|order| order.id.is_none())
+            .count();
+        assert!(
+            bench.vehicle.orders.len() > 20,
+            "{} orders",
+            bench.vehicle.orders.len()
+        );
+        let names = bench.vehicle.parameters == before;
+        assert!(names || writes > 0, "a parameter changes only by a request");
+        assert_eq!(
+            (bench.vehicle.store.commits, accepted),
+            (0, 0),
+            "nothing was accepted"
+        );
+        assert!(
+            PlanKind::EACH
+                .iter()
+                .all(|kind| bench.vehicle.store.items(*kind).is_empty())
+        );
+        still_answers(&mut bench);
+        let counters = bench.vehicle.link.counters();
+        println!("seed {seed}: {} orders, {counters:?}", bench.vehicle.orders.len());
+    }
+}
+
+fn accepted_plans(seen: &[Seen]) -> usize {
+    let acks = seen.iter().filter(|seen| seen.id == 47);
+    acks.filter(|ack| ack.payload.get(2).is_none_or(|result| *result == 0))
+        .count()
+}
+
+/// Frames of a real upload, damaged: what is stored is whole or not there.
+#[test]
+fn damaged_frames_never_make_half_a_plan() {
+    for seed in 1..=20 {
+        let mut bench = Bench::new();
+        let mut random = Random::new(seed);
+        let items = plan(20, seed as u32);
+        let kind = MavMissionType::MAV_MISSION_TYPE_MISSION;
+        for _ in 0..300 {
+            let message = random.below(25) as u16;
+            let mut frame = match message {
+                0..=2 => bench.station.frame(&count(20, kind)),
+                index => {
+                    let index = index.min(22) - 3;
+                    bench
+                        .station
+                        .frame(&item_data(&items[usize::from(index)], index, kind))
+                }
+            };
+            if random.percent(20) {
+                let place = random.below(frame.len() as u64) as usize;
+                frame[place] ^= 1 << random.below(8);
+            }
+            bench.bytes(&frame);
+        }
+        let stored = bench.vehicle.store.items(PlanKind::Mission).len();
+        assert!(stored == 0 || stored == 20);
+    }
+}
