@@ -3,7 +3,9 @@
 use windhover_autopilot::mission::action::command;
 use windhover_autopilot::mission::executor::{MissionEstimate, Surroundings};
 use windhover_autopilot::mission::route::Stored;
-use windhover_autopilot::mission::{MissionEvent, MissionEvents, MissionExecutor, MissionItem, MissionParameters};
+use windhover_autopilot::mission::{
+    MissionEvent, MissionEvents, MissionExecutor, MissionItem, MissionParameters,
+};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{Vector3, scalar};
