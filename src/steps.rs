@@ -12,7 +12,7 @@ pub fn inner_step(inner: &mut Inner, input: &InnerInput, mailboxes: &mut Mailbox
 
 /// The outer step. No mission is stored on board yet.
 #[inline(never)]
-pub fn outer_step(outer: &mut Outer, snapshot: &Snapshot) -> OuterResult {
+pub fn outer_step(outer: &mut Outer, snapshot: &Snapshot, result: &mut OuterResult) {
     const NONE: &[MissionItem] = &[];
-    outer.step(snapshot, NONE)
+    outer.step_into(snapshot, NONE, result);
 }

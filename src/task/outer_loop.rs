@@ -4,7 +4,7 @@
 use cortex_m::peripheral::DWT;
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
-use windhover_autopilot::Outer;
+use windhover_autopilot::{Outer, OuterResult};
 use windhover_flight_log::{LoggerConfig, Reporter, result_hash};
 
 use crate::shared::{self, COUNTERS, SNAPSHOT};
@@ -25,7 +25,8 @@ pub async fn outer_loop(
             continue;
         };
         let (begin, inner) = (DWT::cycle_count(), shared::value(&COUNTERS.inner_cycles));
-        let result = outer_step(outer, &snapshot);
+        let mut result = OuterResult::default();
+        outer_step(outer, &snapshot, &mut result);
         let hash = result_hash(&result);
         reporter.report(
             &snapshot,

@@ -28,7 +28,7 @@ const ATTITUDE_TIMEOUT: u32 = 500_000;
 const AIRBORNE_HEIGHT: f32 = 0.3;
 
 /// What the inner step adopts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct OuterResult {
     /// Tick of the snapshot that it was made from.
     pub tick: u32,
@@ -49,7 +49,7 @@ pub struct OuterResult {
 }
 
 /// What the outer step tells those who watch: log, ground station, desktop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct OuterReport {
     /// Phase of flight.
     pub phase: Phase,
@@ -181,11 +181,27 @@ impl Outer {
     }
 
     /// One step on one snapshot.
+    #[inline]
     pub fn step<S: MissionSource + ?Sized>(&mut self, snapshot: &Snapshot, source: &S) -> OuterResult {
+        let mut result = OuterResult::default();
+        self.step_into(snapshot, source, &mut result);
+        result
+    }
+
+    /// The same, for whoever has a place for the result: all of it is written anew. Moving a result
+    /// costs half as much as making it.
+    pub fn step_into<S: MissionSource + ?Sized>(
+        &mut self,
+        snapshot: &Snapshot,
+        source: &S,
+        result: &mut OuterResult,
+    ) {
+        let report = &mut result.report;
+        report.events.clear();
+        report.refusals.clear();
         let dt = self.elapsed(snapshot.time);
-        let mut refusals = Vec::new();
         for write in &snapshot.inputs.parameter {
-            self.write_parameter(write, &mut refusals);
+            self.write_parameter(write, &mut report.refusals);
         }
         let before = *self.estimate();
         self.estimation.step(&self.parameters, snapshot, dt, self.landed);
@@ -205,47 +221,34 @@ impl Outer {
         }
         for command in &snapshot.inputs.command {
             if let Err(blocker) = self.command(*command, source, snapshot.stopped.is_some()) {
-                let _ = refusals.push(Refused::Command(*command, blocker));
+                let _ = report.refusals.push(Refused::Command(*command, blocker));
             }
         }
-        let mut events = MissionEvents::new();
-        let trajectory = self.trajectory(source, dt, &mut events);
-        let setpoint = self.control(trajectory.as_ref(), snapshot, dt);
-        self.result(
-            snapshot,
-            setpoint,
-            OuterReport {
-                phase: self.phase,
-                estimate: *self.estimate(),
-                origin: self.estimation.frame().map(LocalFrame::origin),
-                sensors: *self.estimation.sensors(),
-                handover: *self.estimation.handover(),
-                trajectory,
-                leg_end: self.mission.as_ref().map(MissionExecutor::leg_end),
-                disturbance: self.observer.disturbance(&self.parameters.observer),
-                thrust_scale: self.thrust_scale.scale(),
-                events,
-                refusals,
-            },
-        )
+        report.trajectory = self.trajectory(source, dt, &mut report.events);
+        result.setpoint = self.control(report.trajectory.as_ref(), snapshot, dt);
+        result.tick = snapshot.tick;
+        self.tell(result);
     }
 
-    fn result(
-        &mut self,
-        snapshot: &Snapshot,
-        setpoint: AttitudeSetpoint,
-        report: OuterReport,
-    ) -> OuterResult {
-        let changed = core::mem::take(&mut self.inner_changed);
-        OuterResult {
-            tick: snapshot.tick,
-            attitude: self.estimate().attitude,
-            gyro_bias: self.estimate().gyro_bias,
-            motors: self.motors(),
-            landed: self.landed || self.has_contact(),
-            setpoint,
-            parameters: changed.then_some(self.inner),
-            report,
+    /// Writes what follows from the state after the step.
+    fn tell(&mut self, result: &mut OuterResult) {
+        let estimate = self.estimation.estimate();
+        result.attitude = estimate.attitude;
+        result.gyro_bias = estimate.gyro_bias;
+        result.motors = self.motors();
+        result.landed = self.landed || self.has_contact();
+        let report = &mut result.report;
+        report.phase = self.phase;
+        report.estimate = *estimate;
+        report.origin = self.estimation.frame().map(LocalFrame::origin);
+        report.sensors = *self.estimation.sensors();
+        report.handover = *self.estimation.handover();
+        report.leg_end = self.mission.as_ref().map(MissionExecutor::leg_end);
+        report.disturbance = self.observer.disturbance(&self.parameters.observer);
+        report.thrust_scale = self.thrust_scale.scale();
+        result.parameters = None;
+        if core::mem::take(&mut self.inner_changed) {
+            result.parameters = Some(self.inner);
         }
     }
 
@@ -460,8 +463,7 @@ impl Outer {
                     parameters: &self.parameters.mission,
                     estimate: mission_estimate(&self.estimation, self.landed),
                 };
-                let (setpoint, happened) = self.mission.as_mut()?.step(&around, dt);
-                *events = happened;
+                let setpoint = self.mission.as_mut()?.step(&around, dt, events);
                 if events.contains(&MissionEvent::Landed) {
                     self.disarm();
                 }
@@ -477,16 +479,11 @@ impl Outer {
         snapshot: &Snapshot,
         dt: u32,
     ) -> AttitudeSetpoint {
-        let level = AttitudeSetpoint {
-            attitude: Quaternion::from_heading(self.estimate().attitude.heading()),
-            rate: Vector3::zeros(),
-            thrust: self.inner.descent_thrust(),
-        };
         let Some(trajectory) = trajectory.filter(|_| self.estimate().known.position) else {
             self.position.reset();
             return match self.attitude {
                 Some((setpoint, _)) if self.phase == Phase::Attitude => setpoint,
-                _ => level,
+                _ => self.level(self.inner.descent_thrust()),
             };
         };
         let believed = self.estimation.estimate();
@@ -519,12 +516,18 @@ impl Outer {
         );
         if self.has_contact() {
             // The legs hold the vehicle where it is: a tilt demanded now would only topple it.
-            return AttitudeSetpoint {
-                thrust: setpoint.thrust,
-                ..level
-            };
+            return self.level(setpoint.thrust);
         }
         setpoint
+    }
+
+    /// Upright, with the heading kept.
+    fn level(&self, thrust: f32) -> AttitudeSetpoint {
+        AttitudeSetpoint {
+            attitude: Quaternion::from_heading(self.estimate().attitude.heading()),
+            rate: Vector3::zeros(),
+            thrust,
+        }
     }
 }
 

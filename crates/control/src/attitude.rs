@@ -82,7 +82,7 @@ pub struct AttitudeEstimate {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AttitudeController {
     rate: [Pid; 3],
-    derivative: [Differentiator; 3],
+    derivative: Differentiator,
 }
 
 impl AttitudeController {
@@ -101,17 +101,12 @@ impl AttitudeController {
     ) -> Vector3 {
         let rate = estimate.rate;
         let rate_setpoint = rate_setpoint(gains, setpoint, age, estimate.attitude);
-        let inverse = 1.0 / (gains.derivative_filter + dt);
+        let turning = self.derivative.step(rate, gains.derivative_filter, dt);
         let mut acceleration = Vector3::zeros();
-        let axes = self
-            .rate
-            .iter_mut()
-            .zip(self.derivative.iter_mut())
-            .zip(gains.rate.iter());
-        for (n, ((pid, derivative), gains_of_axis)) in axes.enumerate() {
-            let turning = derivative.step_with(rate[n], inverse, dt);
+        let axes = self.rate.iter_mut().zip(gains.rate.iter());
+        for (n, (pid, gains_of_axis)) in axes.enumerate() {
             let missing = shortfall[n] * gains.inverse_inertia[n];
-            acceleration[n] = pid.step(gains_of_axis, rate_setpoint[n] - rate[n], turning, missing, dt);
+            acceleration[n] = pid.step(gains_of_axis, rate_setpoint[n] - rate[n], turning[n], missing, dt);
         }
         let momentum = gains.inertia.component_mul(&rate);
         gains.inertia.component_mul(&acceleration) + rate.cross(&momentum)

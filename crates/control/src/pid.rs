@@ -11,6 +11,8 @@
 //! as plain back-calculation does after a large step, with a long tail. [`Pid::retune`] moves it when gains change, so that
 //! the output is continuous.
 
+use windhover_math::Vector3;
+
 /// Gains of one PID controller in parallel form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PidGains {
@@ -87,26 +89,21 @@ fn unwound(integral: f32, growth: f32, pull: f32) -> f32 {
     if pulled * grown > 0.0 { pulled } else { 0.0 }
 }
 
-/// Derivative of a measurement, behind a first-order low-pass filter.
+/// Derivative of a measurement in three axes, behind a first-order low-pass filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Differentiator {
-    last: Option<f32>,
-    derivative: f32,
+    last: Option<Vector3>,
+    derivative: Vector3,
 }
 
 impl Differentiator {
     /// The filtered derivative, per second, after a new `measurement`, `dt` seconds after the
     /// last; `time_constant` of the filter in s. The first measurement has none: zero.
     #[inline]
-    pub fn step(&mut self, measurement: f32, time_constant: f32, dt: f32) -> f32 {
-        self.step_with(measurement, 1.0 / (time_constant + dt), dt)
-    }
-
-    /// The same for several axes that share `inverse` = 1/(time constant + dt).
-    #[inline]
-    pub fn step_with(&mut self, measurement: f32, inverse: f32, dt: f32) -> f32 {
+    pub fn step(&mut self, measurement: Vector3, time_constant: f32, dt: f32) -> Vector3 {
         if let Some(last) = self.last {
             // (raw − filtered)·dt/(T + dt), with raw = difference/dt
+            let inverse = 1.0 / (time_constant + dt);
             self.derivative += (measurement - last - self.derivative * dt) * inverse;
         }
         self.last = Some(measurement);
@@ -245,16 +242,17 @@ mod tests {
 
     #[test]
     fn the_differentiator_settles_to_a_ramps_slope_as_its_filter_says() {
+        let along = |value| Vector3::new(value, 0.0, -value);
         let mut derivative = Differentiator::default();
-        assert_eq!(derivative.step(5.0, 0.05, 1e-3), 0.0);
+        assert_eq!(derivative.step(along(5.0), 0.05, 1e-3), Vector3::zeros());
         let mut value = 5.0f32;
-        let mut last = 0.0;
+        let mut last = Vector3::zeros();
         for _ in 0..50 {
             value += 3.0e-3;
-            last = derivative.step(value, 0.05, 1e-3);
+            last = derivative.step(along(value), 0.05, 1e-3);
         }
         // One time constant after a ramp of slope 3 has begun.
         let exact = 3.0 * (1.0 - libm::exp(-1.0)) as f32;
-        assert!((last - exact).abs() < 0.03, "{last} against {exact}");
+        assert!((last - along(exact)).amax() < 0.03, "{last} against {exact}");
     }
 }

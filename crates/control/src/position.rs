@@ -92,7 +92,7 @@ pub struct PositionEstimate {
 }
 
 /// What position control demands of attitude control.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AttitudeSetpoint {
     /// Attitude, body to world.
     pub attitude: Quaternion,

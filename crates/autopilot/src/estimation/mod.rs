@@ -285,7 +285,7 @@ impl Estimation {
             .find(|external| external.is_valid());
         if let Some(external) = newest {
             self.stage = Stage::External(0);
-            self.estimate = outside(external);
+            self.believe(external);
             return;
         }
         if let Stage::External(age) = &mut self.stage {
@@ -298,6 +298,17 @@ impl Estimation {
             self.estimate.known = Known::default();
         }
         self.sense(parameters, snapshot, landed);
+    }
+
+    /// Word from outside is believed as it is.
+    fn believe(&mut self, external: &ExternalEstimate) {
+        self.estimate.position = external.position;
+        self.estimate.velocity = external.velocity;
+        self.estimate.attitude = external.attitude;
+        self.estimate.gyro_bias = Vector3::zeros();
+        self.estimate.accel_bias = Vector3::zeros();
+        self.estimate.known = Known::ALL;
+        self.estimate.accuracy = Accuracy::default();
     }
 
     /// Carries word from outside on by what the inertial sensors have measured since.
@@ -426,17 +437,6 @@ fn believed(filter: &Filter, parameters: &EstimationParameters, aiding: &Aiding)
             position: heading && aiding.has_place() && accuracy.horizontal < parameters.position_error_max,
         },
         accuracy,
-    }
-}
-
-/// Word from outside is believed as it is.
-fn outside(external: &ExternalEstimate) -> Estimate {
-    Estimate {
-        position: external.position,
-        velocity: external.velocity,
-        attitude: external.attitude,
-        known: Known::ALL,
-        ..Estimate::default()
     }
 }
 

@@ -175,25 +175,25 @@ impl MissionExecutor {
         self.current.item
     }
 
-    /// Goes on by `dt` µs.
+    /// Goes on by `dt` µs: where to be now. What happens is added to `events`.
     pub fn step<S: MissionSource + ?Sized>(
         &mut self,
         around: &Surroundings<'_, S>,
         dt: u32,
-    ) -> (TrajectorySetpoint, MissionEvents) {
-        let mut events = MissionEvents::new();
+        events: &mut MissionEvents,
+    ) -> TrajectorySetpoint {
         let seconds = dt as f32 * 1e-6;
         let step = self.path.step(dt, self.path_rate(around.parameters));
         let mut setpoint = step.setpoint;
         let led_to = setpoint.position + around.estimate.shift;
         self.last_error = scalar::norm(led_to - around.estimate.position);
-        self.watch(around, &mut events);
+        self.watch(around, events);
         if self.trigger.step(around.estimate.position, seconds) {
-            self.photo(&mut events, self.trigger_item, None, true);
+            self.photo(events, self.trigger_item, None, true);
         }
-        self.state = self.advance(around, step.leg_finished, &setpoint, seconds, &mut events);
+        self.state = self.advance(around, step.leg_finished, &setpoint, seconds, events);
         self.turn(around, &mut setpoint, seconds);
-        (setpoint, events)
+        setpoint
     }
 
     /// One transition of the state machine.

@@ -103,8 +103,13 @@ struct Leg {
 }
 
 impl Leg {
-    fn motion(&self, clock: u32) -> super::profile::Motion {
-        self.profile.at(clock as f32 * 1e-6)
+    /// Adds the leg's motion, `clock` µs after its start and at `rate` of the planned speed.
+    fn add_to(&self, setpoint: &mut TrajectorySetpoint, clock: u32, rate: f32) {
+        let motion = self.profile.at(clock as f32 * 1e-6);
+        setpoint.position += self.direction * motion.distance;
+        setpoint.velocity += self.direction * (motion.speed * rate);
+        setpoint.acceleration += self.direction * (motion.acceleration * rate * rate);
+        setpoint.jerk += self.direction * (motion.jerk * rate * rate * rate);
     }
 
     /// When the next leg begins on this leg's clock, µs.
@@ -212,17 +217,13 @@ impl Path {
         let dt = if rate < 1.0 { (dt as f32 * rate) as u32 } else { dt };
         let leg_finished = self.advance(dt);
         let mut setpoint = TrajectorySetpoint::at_rest(self.start, 0.0);
-        let second_clock = self
-            .first
-            .and_then(|first| first.clock.checked_sub(first.next_begins()));
-        let first = self.first.map(|leg| (leg, leg.clock));
-        let second = self.second.zip(second_clock);
-        for (leg, clock) in [first, second].into_iter().flatten() {
-            let motion = leg.motion(clock);
-            setpoint.position += leg.direction * motion.distance;
-            setpoint.velocity += leg.direction * (motion.speed * rate);
-            setpoint.acceleration += leg.direction * (motion.acceleration * rate * rate);
-            setpoint.jerk += leg.direction * (motion.jerk * rate * rate * rate);
+        if let Some(first) = &self.first {
+            first.add_to(&mut setpoint, first.clock, rate);
+            if let Some(second) = &self.second
+                && let Some(begun) = first.clock.checked_sub(first.next_begins())
+            {
+                second.add_to(&mut setpoint, begun, rate);
+            }
         }
         PathStep {
             setpoint,

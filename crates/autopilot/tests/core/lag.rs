@@ -3,7 +3,9 @@
 use windhover_autopilot::mission::action::command;
 use windhover_autopilot::mission::executor::{MissionEstimate, Surroundings};
 use windhover_autopilot::mission::route::Stored;
-use windhover_autopilot::mission::{MissionEvent, MissionExecutor, MissionItem, MissionParameters};
+use windhover_autopilot::mission::{
+    MissionEvent, MissionEvents, MissionExecutor, MissionItem, MissionParameters,
+};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{Vector3, scalar};
@@ -46,7 +48,8 @@ fn fly(
     let mut executor = MissionExecutor::start(stored, &around(at.0, at.1), 0.0).unwrap();
     let mut flown = Flown::new();
     for step in 0..(seconds / DT) as u32 {
-        let (setpoint, events) = executor.step(&around(at.0, at.1), 4000);
+        let mut events = MissionEvents::new();
+        let setpoint = executor.step(&around(at.0, at.1), 4000, &mut events);
         at = follow(step as f32 * DT, &setpoint);
         flown.push((setpoint, events.to_vec()));
     }

@@ -3,7 +3,9 @@
 use windhover_autopilot::mission::action::command;
 use windhover_autopilot::mission::executor::{MissionEstimate, Surroundings};
 use windhover_autopilot::mission::route::Stored;
-use windhover_autopilot::mission::{MissionEvent, MissionExecutor, MissionItem, MissionParameters};
+use windhover_autopilot::mission::{
+    MissionEvent, MissionEvents, MissionExecutor, MissionItem, MissionParameters,
+};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::Vector3;
 use windhover_math::geodesy::LocalFrame;
@@ -45,7 +47,8 @@ pub fn walk(items: &[MissionItem], parameters: &MissionParameters) -> Walk {
     let mut executor = MissionExecutor::start(stored, &around(estimate), 0.0).expect("somewhere to go");
     while !executor.is_finished() {
         assert!(walk.setpoints.len() < 1_000_000, "an hour, and no end");
-        let (setpoint, events) = executor.step(&around(estimate), STEP);
+        let mut events = MissionEvents::new();
+        let setpoint = executor.step(&around(estimate), STEP, &mut events);
         let step = walk.setpoints.len();
         walk.events.extend(events.into_iter().map(|event| (step, event)));
         walk.setpoints.push(setpoint);
