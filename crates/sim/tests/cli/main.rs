@@ -159,7 +159,13 @@ fn options_change_the_flight() {
     };
     let default = hash(&[]);
     assert_eq!(default, hash(&[]), "the same again");
-    assert_eq!(default, hash(&["--truth"]), "so far the truth is all there is");
+    assert_eq!(default, hash(&["--gnss", "standard"]), "defaults");
+    let told = hash(&["--model", "paper"]);
+    assert_eq!(
+        told,
+        hash(&["--model", "paper", "--truth"]),
+        "always on the truth"
+    );
     assert_eq!(
         default,
         hash(&["--wind", "4.47,206.6", "--gust", "1"]),
@@ -180,6 +186,10 @@ fn options_change_the_flight() {
         &["--model", "paper"],
         &["--model", "simple"],
         &["--seed", "2"],
+        &["--truth"],
+        &["--gnss", "rtk"],
+        &["--fault", "baro-bias-step@50,5"],
+        &["--fault", "baro-bias-step@50"],
     ];
     let mut seen = vec![default];
     for other in others {
@@ -242,7 +252,7 @@ fn a_vehicle_that_is_too_heavy_is_given_up_at_once() {
     assert_fails(
         &folder,
         &["fly", "--payload", "5"],
-        &["too heavy", "given up at 30"],
+        &["too heavy", "given up at 34"],
     );
 }
 
