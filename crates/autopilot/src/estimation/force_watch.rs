@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_step_is_remembered_for_some_seconds_and_wind_that_comes_slowly_is_none() {
+    fn a_step_is_remembered_for_a_while_and_wind_that_comes_slowly_is_none() {
         let mut watch = ForceWatch::default();
         let mut wind = 0.0;
         for _ in 0..5000 {
