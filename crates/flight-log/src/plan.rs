@@ -1,6 +1,7 @@
 //! What is stored on board besides parameters: mission, fence, rally points, item by item.
 
 use windhover_autopilot::mission::MissionItem;
+pub use windhover_autopilot::mission::PlanKind;
 
 use crate::record;
 use crate::record::{Description, Field, Record, Topic};
@@ -16,39 +17,6 @@ record!(MissionItem {
     y: i32,
     z: f32
 });
-
-/// What an item belongs to; numbers as in MAVLink's `MAV_MISSION_TYPE`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PlanKind {
-    /// The mission.
-    #[default]
-    Mission,
-    /// The fence.
-    Fence,
-    /// Rally points.
-    Rally,
-}
-
-impl PlanKind {
-    /// Its number.
-    pub const fn code(self) -> u8 {
-        match self {
-            Self::Mission => 0,
-            Self::Fence => 1,
-            Self::Rally => 2,
-        }
-    }
-
-    /// The kind with that number.
-    pub const fn from_code(code: u8) -> Option<Self> {
-        match code {
-            0 => Some(Self::Mission),
-            1 => Some(Self::Fence),
-            2 => Some(Self::Rally),
-            _ => None,
-        }
-    }
-}
 
 /// A list of items as it is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

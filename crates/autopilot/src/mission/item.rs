@@ -22,3 +22,36 @@ pub struct MissionItem {
     /// Altitude in m in the item's frame where the command has a position, else parameter 7.
     pub z: f32,
 }
+
+/// What an item belongs to; numbers as in MAVLink's `MAV_MISSION_TYPE`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlanKind {
+    /// The mission.
+    #[default]
+    Mission,
+    /// The fence.
+    Fence,
+    /// Rally points.
+    Rally,
+}
+
+impl PlanKind {
+    /// Its number.
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Mission => 0,
+            Self::Fence => 1,
+            Self::Rally => 2,
+        }
+    }
+
+    /// The kind with that number.
+    pub const fn from_code(code: u8) -> Option<Self> {
+        match code {
+            0 => Some(Self::Mission),
+            1 => Some(Self::Fence),
+            2 => Some(Self::Rally),
+            _ => None,
+        }
+    }
+}

@@ -16,7 +16,7 @@ pub mod route;
 pub use action::{Action, Reason, Refusal};
 pub use check::check;
 pub use executor::{MissionEvent, MissionEvents, MissionExecutor};
-pub use item::{MAX_ITEMS, MissionItem};
+pub use item::{MAX_ITEMS, MissionItem, PlanKind};
 pub use parameters::MissionParameters;
 
 /// Where missions are stored: two slots, one of them valid, the other one for the next upload.
