@@ -24,6 +24,7 @@ pub mod queue;
 pub mod rc;
 pub mod schedule;
 pub mod sensing;
+pub mod supervisor;
 pub mod trajectory;
 
 pub use aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample};

@@ -12,6 +12,7 @@ use crate::estimation::EstimationParameters;
 use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
 use crate::sensing::CalibrationParameters;
+use crate::supervisor::SafetyParameters;
 
 parameters! {
     /// Motors at the edges of flight.
@@ -35,6 +36,13 @@ impl BoardParameters {
     }
 }
 
+parameters! {
+    /// stub
+    pub struct FenceParameters {
+        action: "GF_ACTION", "", 0.0..=5.0, 2.0, "What is done: 0 nothing";
+    }
+}
+
 parameter_groups! {
     /// All parameters of the core.
     pub struct Parameters {
@@ -49,6 +57,8 @@ parameter_groups! {
         board: BoardParameters,
         estimation: EstimationParameters,
         noise: NoiseParameters,
+        safety: SafetyParameters,
+        fence: FenceParameters,
     }
 }
 

@@ -7,18 +7,16 @@
 use heapless::Vec;
 use windhover_control::TrajectorySetpoint;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{Vector3, atan2, max, min, scalar};
+use windhover_math::{Vector3, atan2, scalar};
 
 use super::action::Action;
 use super::camera::Trigger;
 use super::nav::{Chart, Nav, NavKind};
 use super::route::{Cursor, Stored};
 use super::{MissionParameters, MissionSource};
+use crate::mode::Mode;
 use crate::trajectory::path::{SHORTEST_PASS, direction_and_length};
 use crate::trajectory::{HeadingSlew, Path, path::Joint};
-
-/// The path has to be so far below a vehicle that stands still for it to be held by the ground, m.
-const CONTACT_DEPTH: f32 = 0.1;
 
 /// What happened in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +34,7 @@ pub enum MissionEvent {
         /// Whether position and speed had settled; always true for photos taken in passing.
         settled: bool,
     },
-    /// The vehicle stands on the ground after a landing.
+    /// The vehicle stands on the ground after a flight.
     Landed,
     /// Nothing is left to do.
     Finished,
@@ -73,10 +71,8 @@ enum State {
     Settle { item: u16, since: f32, settled: f32 },
     /// Waiting, seconds left.
     Delay(f32),
-    /// Coming down: seconds that the vehicle has not moved.
-    Land(f32),
-    /// Nothing left to do.
-    Finished,
+    /// Nothing left to do; this mode follows.
+    Finished(Mode),
 }
 
 /// The mission as far as it has been flown.
@@ -96,15 +92,18 @@ pub struct MissionExecutor {
     trigger: Trigger,
     trigger_item: u16,
     last_error: f32,
-    contact: bool,
+    /// What was interrupted at the stop that is being flown back to.
+    rejoining: Option<State>,
 }
 
 /// What a step needs besides the executor's own state.
 pub struct Surroundings<'a, S: ?Sized> {
     /// The stored missions.
     pub source: &'a S,
-    /// The local frame; its origin is home.
+    /// The local frame.
     pub frame: &'a LocalFrame,
+    /// Home, NED, m from the frame's origin.
+    pub home: Vector3,
     /// The parameters.
     pub parameters: &'a MissionParameters,
     /// What is known of the vehicle.
@@ -117,21 +116,25 @@ impl<S: MissionSource + ?Sized> Surroundings<'_, S> {
             source: self.source,
             stored,
             frame: self.frame,
+            home: self.home,
             parameters: self.parameters,
         }
     }
 }
 
 impl MissionExecutor {
-    /// Starts the mission from where the vehicle is, with its `heading` (rad). `None` when there
-    /// is nothing to fly to.
+    /// Starts the mission before the item with index `first`, from a setpoint that rests at
+    /// `position` (NED, m) with a `heading` (rad). `None` when there is nothing to fly to.
     pub fn start<S: MissionSource + ?Sized>(
         stored: Stored,
         around: &Surroundings<'_, S>,
+        first: u16,
+        position: Vector3,
         heading: f32,
     ) -> Option<Self> {
-        let position = around.estimate.position;
-        let start = around.chart(stored).start(position, around.estimate.landed)?;
+        let start = around
+            .chart(stored)
+            .start(first, position, around.estimate.landed)?;
         Some(Self {
             stored,
             state: State::Work,
@@ -146,8 +149,61 @@ impl MissionExecutor {
             trigger: Trigger::Off,
             trigger_item: 0,
             last_error: 0.0,
-            contact: false,
+            rejoining: None,
         })
+    }
+
+    /// Takes the mission up again after it was interrupted, from a setpoint that rests at `position`
+    /// (NED, m) with a `heading` (rad): the leg is flown to its end; what was begun at a stop is
+    /// begun there again, so that no photo is left out and none is taken twice.
+    pub fn rejoin<S: MissionSource + ?Sized>(
+        &mut self,
+        around: &Surroundings<'_, S>,
+        position: Vector3,
+        heading: f32,
+    ) {
+        self.heading = HeadingSlew { heading, rate: 0.0 };
+        self.path = Path::at(position);
+        self.next = None;
+        if matches!(self.current.kind, NavKind::Start { .. }) || matches!(self.state, State::Finished(_)) {
+            self.current.target = position;
+            return;
+        }
+        self.rejoining = match self.state {
+            State::Fly | State::Arrive(_) => self.rejoining,
+            State::Settle { item, .. } => Some(State::Settle {
+                item,
+                since: 0.0,
+                settled: 0.0,
+            }),
+            State::Hold(_) => Some(State::Hold(0.0)),
+            other => Some(other),
+        };
+        self.state = State::Fly;
+        self.reached = false;
+        let current = self.current;
+        self.push(around, &current, Joint::Stop, Joint::Stop);
+    }
+
+    /// Points the nose at a place from here on, or ahead again.
+    pub fn look_at(&mut self, place: Option<Vector3>) {
+        self.look_at = place;
+    }
+
+    /// Flies at another ground speed from the next leg on, m/s; `None` goes back to the parameter's.
+    pub fn set_speed(&mut self, speed: Option<f32>) {
+        self.current.speed = speed;
+        if let Some(next) = &mut self.next {
+            next.speed = speed;
+        }
+    }
+
+    /// The mode that follows a mission that is over.
+    pub fn outcome(&self) -> Option<Mode> {
+        match self.state {
+            State::Finished(mode) => Some(mode),
+            _ => None,
+        }
     }
 
     /// Whether the vehicle still stands where the mission was started, on the ground.
@@ -155,19 +211,9 @@ impl MissionExecutor {
         self.current.kind == NavKind::Start { landed: true }
     }
 
-    /// Whether nothing is left to do.
-    pub fn is_finished(&self) -> bool {
-        self.state == State::Finished
-    }
-
     /// Where the leg that is being flown leads, NED, m.
     pub fn leg_end(&self) -> Vector3 {
         self.current.target
-    }
-
-    /// Whether something holds the vehicle while it comes down to land: the ground, as a rule.
-    pub fn has_contact(&self) -> bool {
-        self.contact
     }
 
     /// Index of the item that is being flown to or worked on.
@@ -191,7 +237,7 @@ impl MissionExecutor {
         if self.trigger.step(around.estimate.position, seconds) {
             self.photo(events, self.trigger_item, None, true);
         }
-        self.state = self.advance(around, step.leg_finished, &setpoint, seconds, events);
+        self.state = self.advance(around, step.leg_finished, seconds, events);
         self.turn(around, &mut setpoint, seconds);
         setpoint
     }
@@ -201,23 +247,21 @@ impl MissionExecutor {
         &mut self,
         around: &Surroundings<'_, S>,
         leg_finished: bool,
-        setpoint: &TrajectorySetpoint,
         seconds: f32,
         events: &mut MissionEvents,
     ) -> State {
         match self.state {
-            State::Fly if self.current.kind == NavKind::Land => State::Land(0.0),
             State::Fly if !leg_finished => State::Fly,
             State::Fly if self.path.is_finished() => State::Arrive(0.0),
             State::Fly => self.pass(around, events),
             State::Arrive(since) if self.reached => {
                 self.give_up_passing(events);
-                State::Hold(since)
+                self.rejoining.take().unwrap_or(State::Hold(since))
             }
             State::Arrive(since) if since >= around.parameters.arrival_wait => {
                 self.give_up_passing(events);
                 self.give_up(events);
-                State::Hold(since)
+                self.rejoining.take().unwrap_or(State::Hold(since))
             }
             State::Arrive(since) => State::Arrive(since + seconds),
             State::Hold(since) if since >= self.current.hold => State::Work,
@@ -228,19 +272,13 @@ impl MissionExecutor {
             }
             State::Delay(left) if left > seconds => State::Delay(left - seconds),
             State::Delay(_) => State::Work,
-            State::Land(still) => self.land(around, setpoint, still + seconds, events),
-            State::Finished => State::Finished,
+            State::Finished(mode) => State::Finished(mode),
         }
     }
 
     /// How fast the path's point moves: slower when the vehicle has fallen behind.
     fn path_rate(&self, parameters: &MissionParameters) -> f32 {
-        if self.current.kind == NavKind::Land {
-            return 1.0;
-        }
-        let span = max(parameters.stop_error - parameters.slow_error, 0.1);
-        let rate = (parameters.slow_error + span - self.last_error) / span;
-        max(0.0, min(1.0, rate))
+        parameters.rate(self.last_error)
     }
 
     /// Plans the leg to `current` and, where that is not a stop, the one after it.
@@ -383,15 +421,14 @@ impl MissionExecutor {
             }
             _ => match within {
                 Some(next) => {
+                    if let NavKind::End(mode) = next.kind {
+                        return self.finish(mode, events);
+                    }
                     self.current = next;
                     self.begin_leg(around);
                     State::Fly
                 }
-                None => {
-                    let _ = events.push(MissionEvent::Finished);
-                    self.trigger = Trigger::Off;
-                    State::Finished
-                }
+                None => self.finish(Mode::Hold, events),
             },
         }
     }
@@ -417,28 +454,10 @@ impl MissionExecutor {
         State::Settle { item, since, settled }
     }
 
-    /// Comes down until the vehicle no longer moves while the path is below it.
-    fn land<S: MissionSource + ?Sized>(
-        &mut self,
-        around: &Surroundings<'_, S>,
-        setpoint: &TrajectorySetpoint,
-        still: f32,
-        events: &mut MissionEvents,
-    ) -> State {
-        let below = setpoint.position.z + around.estimate.shift.z - around.estimate.position.z;
-        self.contact = below > CONTACT_DEPTH && around.estimate.velocity.z.abs() < 0.1;
-        let resting = self.contact && below > 0.5;
-        if !resting {
-            return State::Land(0.0);
-        }
-        if still < 0.5 {
-            return State::Land(still);
-        }
-        self.path = Path::at(around.estimate.position);
-        self.contact = false;
-        let _ = events.push(MissionEvent::Landed);
+    fn finish(&mut self, mode: Mode, events: &mut MissionEvents) -> State {
         let _ = events.push(MissionEvent::Finished);
-        State::Finished
+        self.trigger = Trigger::Off;
+        State::Finished(mode)
     }
 
     /// Notes which waypoints the vehicle has come close to.
@@ -453,7 +472,7 @@ impl MissionExecutor {
         let passes = self.next.is_some() || matches!(self.state, State::Arrive(_));
         if closing && passes && !self.reached && within(&self.current) {
             self.reached = true;
-            if self.current.kind == NavKind::Waypoint {
+            if self.current.kind == NavKind::Waypoint && self.rejoining.is_none() {
                 let _ = events.push(MissionEvent::Reached(self.current.item));
             }
         }

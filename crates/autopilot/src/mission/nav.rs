@@ -1,11 +1,12 @@
 //! The points that a mission is flown to, found by looking ahead.
 
-use windhover_math::Vector3;
+use windhover_math::{Vector3, min};
 use windhover_math::geodesy::LocalFrame;
 
 use super::action::{Action, Altitude, Place};
 use super::route::{Cursor, Stored};
 use super::{MissionParameters, MissionSource};
+use crate::mode::Mode;
 use crate::trajectory::Limits;
 
 /// What kind of leg leads to a point.
@@ -20,10 +21,10 @@ pub enum NavKind {
     Climb,
     /// To a waypoint of the mission.
     Waypoint,
-    /// Above the place of the landing: home, or where the mission says.
+    /// Above the place of the landing that the mission names.
     Approach,
-    /// Down, until the ground is there.
-    Land,
+    /// None: the mission ends here, and this mode follows.
+    End(Mode),
 }
 
 /// A point to fly to.
@@ -49,24 +50,24 @@ pub struct Nav {
     pub after: Cursor,
 }
 
-/// How far below home the landing leg leads: the ground comes first.
-const BELOW_HOME: f32 = 200.0;
-
 /// What looking ahead needs.
 pub struct Chart<'a, S: ?Sized> {
     /// The stored missions.
     pub source: &'a S,
     /// Which of them is flown.
     pub stored: Stored,
-    /// The local frame; its origin is home.
+    /// The local frame.
     pub frame: &'a LocalFrame,
+    /// Home, NED, m from the frame's origin: altitudes of items count from it.
+    pub home: Vector3,
     /// Speeds, radii, heights.
     pub parameters: &'a MissionParameters,
 }
 
 impl<S: MissionSource + ?Sized> Chart<'_, S> {
-    /// Where the mission begins; `None` when there is nothing to fly to.
-    pub fn start(&self, position: Vector3, landed: bool) -> Option<Nav> {
+    /// Where the mission begins, before the item with index `first`; `None` when there is nothing to
+    /// fly to.
+    pub fn start(&self, first: u16, position: Vector3, landed: bool) -> Option<Nav> {
         let start = Nav {
             item: 0,
             kind: NavKind::Start { landed },
@@ -76,7 +77,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
             heading: None,
             speed: None,
             rest_before: false,
-            after: Cursor::default(),
+            after: Cursor::before(first),
         };
         self.following(&start).map(|_| start)
     }
@@ -102,22 +103,15 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
 
     /// The point after `nav`.
     pub fn following(&self, nav: &Nav) -> Option<Nav> {
-        let returning = self.is_returning(nav);
         match nav.kind {
             NavKind::Start { landed } => self.first(nav, landed),
-            NavKind::Climb if returning => Some(self.home(nav)),
-            NavKind::Approach => Some(self.land(nav, nav.target)),
+            NavKind::Approach => Some(Nav {
+                kind: NavKind::End(Mode::Land),
+                ..*nav
+            }),
+            NavKind::End(_) => None,
             _ => self.next(nav.after, nav.target, nav.speed),
         }
-    }
-
-    /// Whether the item of `nav` ends the mission on the ground, in several legs.
-    fn is_returning(&self, nav: &Nav) -> bool {
-        let action = self
-            .source
-            .item(self.stored.slot, nav.item)
-            .and_then(|item| super::action::interpret(&item).ok());
-        matches!(action, Some(Action::Return | Action::Land { .. }))
     }
 
     /// The next point behind `cursor`, flown to from `from`.
@@ -151,7 +145,8 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
         match action {
             Action::Takeoff { altitude } => Nav {
                 kind: NavKind::Climb,
-                target: Vector3::new(from.x, from.y, self.down(*altitude)),
+                // A vehicle that is higher already stays there.
+                target: Vector3::new(from.x, from.y, min(self.down(*altitude), from.z)),
                 ..plain
             },
             Action::Waypoint {
@@ -174,49 +169,22 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
                     ..plain
                 }
             }
-            Action::Return => self.climb_or_home(plain),
-            _ => self.land(&plain, from),
-        }
-    }
-
-    /// The first leg of the way home: up to the return height, unless there or close by.
-    fn climb_or_home(&self, plain: Nav) -> Nav {
-        let from = plain.target;
-        let height = -self.parameters.return_altitude;
-        let near =
-            windhover_math::sqrt(from.x * from.x + from.y * from.y) < self.parameters.acceptance_radius;
-        if from.z > height && !near {
-            return Nav {
-                kind: NavKind::Climb,
-                target: Vector3::new(from.x, from.y, height),
+            Action::Return => Nav {
+                kind: NavKind::End(Mode::Return),
                 ..plain
-            };
-        }
-        self.home(&plain)
-    }
-
-    fn home(&self, before: &Nav) -> Nav {
-        Nav {
-            kind: NavKind::Approach,
-            target: Vector3::new(0.0, 0.0, before.target.z),
-            heading: None,
-            hold: 0.0,
-            ..*before
-        }
-    }
-
-    fn land(&self, before: &Nav, above: Vector3) -> Nav {
-        Nav {
-            kind: NavKind::Land,
-            target: Vector3::new(above.x, above.y, BELOW_HOME),
-            heading: None,
-            hold: 0.0,
-            ..*before
+            },
+            _ => Nav {
+                kind: NavKind::End(Mode::Land),
+                ..plain
+            },
         }
     }
 
     fn down(&self, altitude: Altitude) -> f32 {
-        -altitude.above_home(self.frame.origin().altitude)
+        match altitude {
+            Altitude::Home(height) => self.home.z - height,
+            Altitude::SeaLevel(_) => -altitude.above_home(self.frame.origin().altitude),
+        }
     }
 
     /// Where a place is in the local frame, NED, m.
@@ -231,11 +199,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
         Limits {
             speed: nav.speed.unwrap_or(p.cruise_speed),
             climb: if landed { p.takeoff_speed } else { p.climb_speed },
-            descend: if nav.kind == NavKind::Land {
-                p.land_speed
-            } else {
-                p.descend_speed
-            },
+            descend: p.descend_speed,
             acceleration: p.acceleration,
             vertical_acceleration: p.vertical_acceleration,
             jerk: p.jerk,

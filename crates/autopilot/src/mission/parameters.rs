@@ -1,5 +1,6 @@
 //! How missions are flown, in numbers.
 
+use windhover_math::{max, min};
 use windhover_parameters::parameters;
 
 parameters! {
@@ -27,5 +28,14 @@ parameters! {
         photo_dwell: "PHOTO_DWELL", "s", 0.0..=10.0, 0.2, "How long both have to be so";
         photo_wait: "PHOTO_WAIT", "s", 0.0..=600.0, 5.0, "After this time the photo is taken all the same";
         arrival_wait: "MIS_ARRIVE_WAIT", "s", 0.0..=600.0, 20.0, "After this time a stop is given up that was not reached";
+    }
+}
+
+impl MissionParameters {
+    /// How fast a setpoint moves on, 0 to 1, when the vehicle is `error` m away from it: slower when
+    /// it has fallen behind.
+    pub fn rate(&self, error: f32) -> f32 {
+        let span = max(self.stop_error - self.slow_error, 0.1);
+        max(0.0, min(1.0, (self.slow_error + span - error) / span))
     }
 }

@@ -1,4 +1,41 @@
-//! Modes of flight.
+//! Modes of flight, one file each: from what is believed and wanted to what control is to follow.
+//!
+//! A mode is entered with the motion that is commanded at that moment ([`Motion`]) and goes on from
+//! it, so that no change of mode makes a jump. Each step gives a [`Demand`], and tells when the mode
+//! is done and which one follows. Whether a mode may fly is asked of [`available`] before; who
+//! decides is the [supervisor](crate::supervisor).
+
+mod altitude;
+mod course;
+pub mod descend;
+mod hold;
+mod land;
+mod mission;
+mod offboard;
+pub mod parameters;
+mod position;
+mod return_home;
+mod stabilize;
+mod takeoff;
+mod tilt;
+
+use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_math::{Quaternion, Vector3};
+
+use crate::estimation::Estimate;
+use crate::fence::Rally;
+use crate::mission::action::{Altitude, Place};
+use crate::mission::route::Stored;
+use crate::mission::{MissionEvents, MissionExecutor, MissionSource};
+use crate::parameters::Parameters;
+use crate::rc::Sticks;
+use crate::supervisor::ModeSet;
+use crate::trajectory::{Glide, GlideLimits, HeadingSlew};
+
+pub use offboard::{Guidance, Outside, Setpoints};
+pub use parameters::ManualParameters;
 
 /// A mode of flight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,4 +98,367 @@ impl Mode {
             Self::Descend => "descend",
         }
     }
+}
+
+/// What modes see.
+pub struct Around<'a, S: ?Sized> {
+    /// The parameter table.
+    pub parameters: &'a Parameters,
+    /// What is believed of the vehicle.
+    pub estimate: &'a Estimate,
+    /// How far control leads the vehicle from the setpoint meanwhile, NED, m: not 0 after a step of
+    /// the estimate (see [`crate::estimation::handover`]).
+    pub shift: Vector3,
+    /// Acceleration that the rotors give over what the parameters say.
+    pub thrust_scale: f32,
+    /// The local frame, once there is one.
+    pub frame: Option<&'a LocalFrame>,
+    /// Home, NED, m from the origin.
+    pub home: Vector3,
+    /// Rally points.
+    pub rally: &'a Rally,
+    /// The stored plans.
+    pub source: &'a S,
+    /// The valid mission.
+    pub stored: Option<Stored>,
+    /// Whether the vehicle is on the ground.
+    pub landed: bool,
+    /// A pilot's sticks, while they are heard.
+    pub sticks: Option<Sticks>,
+    /// Setpoints from outside.
+    pub setpoints: &'a Setpoints,
+    /// Time since the last step, µs.
+    pub dt: u32,
+    /// The same in s.
+    pub seconds: f32,
+}
+
+impl<S: ?Sized> Around<'_, S> {
+    /// The motion of a vehicle that stands where it is believed to stand.
+    pub fn at_rest(&self) -> Motion {
+        Motion::at_rest(self.estimate)
+    }
+
+    /// How far down an altitude is, m from the origin.
+    pub fn down(&self, altitude: Altitude) -> f32 {
+        match (altitude, self.frame) {
+            (Altitude::Home(height), _) => self.home.z - height,
+            (Altitude::SeaLevel(_), Some(frame)) => -altitude.above_home(frame.origin().altitude),
+            // Nobody knows how high the sea is: stay.
+            (Altitude::SeaLevel(_), None) => self.estimate.position.z,
+        }
+    }
+
+    /// Where a place on the ground is, NED, m; its height is none.
+    fn ground(&self, latitude: i32, longitude: i32) -> Option<Vector3> {
+        let frame = self.frame?;
+        let place = Place {
+            latitude,
+            longitude,
+            altitude: Altitude::Home(0.0),
+        };
+        Some(frame.to_local(place.ground(frame.origin())))
+    }
+}
+
+impl GlideLimits {
+    /// Those of sticks and braking.
+    pub fn of(parameters: &ManualParameters) -> Self {
+        Self {
+            acceleration: parameters.acceleration,
+            vertical_acceleration: parameters.vertical_acceleration,
+            jerk: parameters.jerk,
+        }
+    }
+}
+
+/// The motion that is commanded: what the next mode begins with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Position and its derivatives.
+    pub glide: Glide,
+    /// Heading.
+    pub heading: HeadingSlew,
+    /// Attitude, body to world.
+    pub attitude: Quaternion,
+}
+
+impl Motion {
+    /// Standing at the estimate, upright.
+    pub fn at_rest(estimate: &Estimate) -> Self {
+        let heading = estimate.attitude.heading();
+        Self {
+            glide: Glide::at(estimate.position),
+            heading: HeadingSlew { heading, rate: 0.0 },
+            attitude: Quaternion::from_heading(heading),
+        }
+    }
+
+    /// Moving as the estimate does.
+    pub fn of(estimate: &Estimate) -> Self {
+        let heading = estimate.attitude.heading();
+        Self {
+            glide: Glide {
+                velocity: estimate.velocity,
+                ..Glide::at(estimate.position)
+            },
+            heading: HeadingSlew { heading, rate: 0.0 },
+            attitude: estimate.attitude,
+        }
+    }
+}
+
+/// What control is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Demand {
+    /// Stay on the ground with idling motors.
+    Rest,
+    /// Follow this point.
+    Follow(TrajectorySetpoint),
+    /// Keep this attitude, and follow the height of this point.
+    Tilt {
+        /// Body to world.
+        attitude: Quaternion,
+        /// Rate of the heading, rad/s.
+        heading_rate: f32,
+        /// Its down counts, and nothing else.
+        point: TrajectorySetpoint,
+    },
+    /// This attitude and thrust.
+    Attitude(AttitudeSetpoint),
+}
+
+/// What a step of a mode gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// What control is to do.
+    pub demand: Demand,
+    /// The mode is done, and this one follows.
+    pub next: Option<Mode>,
+    /// The ground holds a vehicle that comes down.
+    pub contact: bool,
+    /// Where the leg that is being flown leads, NED, m.
+    pub leg_end: Option<Vector3>,
+}
+
+impl Step {
+    fn of(demand: Demand) -> Self {
+        Self {
+            demand,
+            next: None,
+            contact: false,
+            leg_end: None,
+        }
+    }
+}
+
+/// Where hold is sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Target {
+    /// Latitude and longitude in 1e-7 degree; `None` is where the vehicle is.
+    pub ground: Option<(i32, i32)>,
+    /// `None` is the present one.
+    pub altitude: Option<Altitude>,
+    /// rad; `None` keeps it.
+    pub heading: Option<f32>,
+    /// Ground speed, m/s; `None` leaves it to a parameter.
+    pub speed: Option<f32>,
+}
+
+/// The memory of the mode that flies.
+#[derive(Clone, Debug)]
+enum Active {
+    Stabilize(stabilize::Stabilize),
+    Altitude(altitude::AltitudeHold),
+    Position(position::PositionHold),
+    Takeoff(takeoff::Takeoff),
+    Hold(hold::Hold),
+    Mission(mission::Mission),
+    Return(return_home::Return),
+    Land(land::Land),
+    Offboard(offboard::Offboard),
+    Descend(descend::Descend),
+}
+
+/// The modes with their memory.
+#[derive(Clone, Debug, Default)]
+pub struct Modes {
+    active: Option<(Mode, Active)>,
+    /// What was commanded last.
+    motion: Option<Motion>,
+    /// The mission as far as it has come, also while another mode flies.
+    mission: Option<MissionExecutor>,
+    /// Where hold is sent when it is entered.
+    pub target: Option<Target>,
+    /// Where takeoff leads; `None` leaves it to a parameter.
+    pub takeoff: (Option<Altitude>, Option<f32>),
+    /// The item that a mission starts with.
+    pub first_item: u16,
+}
+
+impl Modes {
+    /// How far the mission has come, where one has been started and is not over.
+    pub fn mission(&self) -> Option<&MissionExecutor> {
+        self.mission.as_ref()
+    }
+
+    /// The same, to be changed.
+    pub fn mission_mut(&mut self) -> Option<&mut MissionExecutor> {
+        self.mission.as_mut()
+    }
+
+    /// The next start of a mission is one from its beginning, or from `first_item`.
+    pub fn forget_mission(&mut self) {
+        self.mission = None;
+        self.reenter();
+    }
+
+    /// The mode is entered anew at the next step, from the motion there is.
+    pub fn reenter(&mut self) {
+        self.active = None;
+    }
+
+    /// Nothing flies.
+    pub fn rest(&mut self) {
+        *self = Self {
+            first_item: self.first_item,
+            takeoff: self.takeoff,
+            ..Self::default()
+        };
+    }
+
+    /// One step of `mode`, which is entered if it was another one so far.
+    pub fn step<S: MissionSource + ?Sized>(
+        &mut self,
+        mode: Mode,
+        around: &Around<'_, S>,
+        events: &mut MissionEvents,
+    ) -> Step {
+        if self.active.as_ref().is_none_or(|(active, _)| *active != mode) {
+            self.active = Some((mode, self.enter(mode, around)));
+        }
+        let Some((_, active)) = &mut self.active else {
+            return Step::of(Demand::Rest);
+        };
+        let step = match active {
+            Active::Stabilize(mode) => mode.step(around),
+            Active::Altitude(mode) => mode.step(around),
+            Active::Position(mode) => mode.step(around),
+            Active::Takeoff(mode) => mode.step(around),
+            Active::Hold(mode) => mode.step(around),
+            Active::Mission(mode) => mode.step(around, &mut self.mission, self.first_item, events),
+            Active::Return(mode) => mode.step(around),
+            Active::Land(mode) => mode.step(around),
+            Active::Offboard(mode) => mode.step(around),
+            Active::Descend(mode) => mode.step(around),
+        };
+        if mode == Mode::Mission && step.next.is_some() {
+            (self.mission, self.first_item) = (None, 0);
+        }
+        self.remember(&step.demand, around.estimate);
+        step
+    }
+
+    /// Keeps what is commanded for the next mode.
+    fn remember(&mut self, demand: &Demand, estimate: &Estimate) {
+        self.motion = match demand {
+            Demand::Rest => None,
+            Demand::Follow(point) => Some(Motion {
+                glide: Glide {
+                    position: point.position,
+                    velocity: point.velocity,
+                    acceleration: point.acceleration,
+                },
+                heading: HeadingSlew {
+                    heading: point.heading,
+                    rate: point.heading_rate,
+                },
+                attitude: estimate.attitude,
+            }),
+            Demand::Tilt {
+                attitude,
+                heading_rate,
+                point,
+            } => {
+                let mut motion = Motion::of(estimate);
+                motion.glide.position.z = point.position.z;
+                motion.glide.velocity.z = point.velocity.z;
+                motion.glide.acceleration.z = point.acceleration.z;
+                motion.attitude = *attitude;
+                motion.heading = HeadingSlew {
+                    heading: attitude.heading(),
+                    rate: *heading_rate,
+                };
+                Some(motion)
+            }
+            Demand::Attitude(setpoint) => Some(Motion {
+                attitude: setpoint.attitude,
+                ..Motion::of(estimate)
+            }),
+        };
+    }
+
+    fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
+        let motion = self.motion.unwrap_or_else(|| around.at_rest());
+        match mode {
+            Mode::Stabilize => Active::Stabilize(stabilize::Stabilize::enter(&motion)),
+            Mode::Altitude => Active::Altitude(altitude::AltitudeHold::enter(&motion)),
+            Mode::Position => Active::Position(position::PositionHold::enter(&motion)),
+            Mode::Takeoff => {
+                let (altitude, heading) = core::mem::take(&mut self.takeoff);
+                Active::Takeoff(takeoff::Takeoff::enter(&motion, around, altitude, heading))
+            }
+            Mode::Hold => {
+                let target = self.target.take();
+                Active::Hold(hold::Hold::enter(&motion, around, target.as_ref()))
+            }
+            Mode::Mission => Active::Mission(mission::Mission::enter(&motion)),
+            Mode::Return => Active::Return(return_home::Return::enter(&motion, around)),
+            Mode::Land => Active::Land(land::Land::enter(&motion)),
+            Mode::Offboard => Active::Offboard(offboard::Offboard::enter(&motion)),
+            Mode::Descend => Active::Descend(descend::Descend::enter(&motion)),
+        }
+    }
+}
+
+/// What the entry conditions of modes depend on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// Roll and pitch are known.
+    pub attitude: bool,
+    /// The height is.
+    pub height: bool,
+    /// The position is, and it is measured.
+    pub position: bool,
+    /// A pilot's sticks are heard.
+    pub sticks: bool,
+    /// There is a mission that can be flown.
+    pub mission: bool,
+    /// What comes from outside, while it comes: `true` if it needs a position.
+    pub setpoint: Option<bool>,
+}
+
+/// The modes whose entry conditions hold.
+pub fn available(conditions: &Conditions) -> ModeSet {
+    let Conditions {
+        attitude,
+        height,
+        position,
+        sticks,
+        mission,
+        setpoint,
+    } = *conditions;
+    let position = position && height && attitude;
+    Mode::ALL.into_iter().fold(ModeSet::default(), |set, mode| {
+        let is = match mode {
+            Mode::Stabilize => attitude && sticks,
+            Mode::Altitude => attitude && height,
+            Mode::Position => position && sticks,
+            Mode::Takeoff | Mode::Hold | Mode::Return | Mode::Land => position,
+            Mode::Mission => position && mission,
+            Mode::Offboard => setpoint.is_some_and(|needs_position| if needs_position { position } else { attitude }),
+            Mode::Descend => true,
+        };
+        set.with(mode, is)
+    })
 }

@@ -1,0 +1,99 @@
+//! Mission: brakes from whatever motion there was, then flies the stored items; a mission that was
+//! interrupted goes on at the leg or the stop that was not finished.
+
+use windhover_math::Vector3;
+
+use super::course::Course;
+use super::{Around, Demand, Mode, Motion, Step};
+use crate::mission::executor::{MissionEstimate, Surroundings};
+use crate::mission::{MissionEvents, MissionExecutor, MissionSource};
+
+/// The mode's memory; how far the mission has come is kept by [`super::Modes`].
+#[derive(Clone, Debug)]
+pub struct Mission {
+    /// While it brakes.
+    braking: Option<Course>,
+}
+
+impl Mission {
+    /// From the present motion on.
+    pub fn enter(motion: &Motion) -> Self {
+        Self {
+            braking: Some(Course::new(motion, &[])),
+        }
+    }
+
+    /// One step. `mission` is what was interrupted, if anything was; `first` is the item that a new
+    /// one starts with.
+    pub fn step<S: MissionSource + ?Sized>(
+        &mut self,
+        around: &Around<'_, S>,
+        mission: &mut Option<MissionExecutor>,
+        first: u16,
+        events: &mut MissionEvents,
+    ) -> Step {
+        let Some(surroundings) = surroundings(around) else {
+            return Step::of(Demand::Rest);
+        };
+        if let Some(course) = &mut self.braking {
+            let setpoint = course.step(around);
+            if !course.is_done() {
+                return Step::of(Demand::Follow(setpoint));
+            }
+            begin(around, &surroundings, mission, first, course.position(), setpoint.heading);
+            self.braking = None;
+        }
+        let Some(mission) = mission else {
+            return Step {
+                next: Some(Mode::Hold),
+                ..Step::of(Demand::Rest)
+            };
+        };
+        if mission.waits_on_ground() {
+            // The first step plans; the vehicle stands meanwhile.
+            mission.step(&surroundings, around.dt, events);
+            return Step::of(Demand::Rest);
+        }
+        let setpoint = mission.step(&surroundings, around.dt, events);
+        Step {
+            next: mission.outcome(),
+            leg_end: Some(mission.leg_end()),
+            ..Step::of(Demand::Follow(setpoint))
+        }
+    }
+}
+
+/// What the executor is told.
+fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option<Surroundings<'a, S>> {
+    Some(Surroundings {
+        source: around.source,
+        frame: around.frame?,
+        home: around.home,
+        parameters: &around.parameters.mission,
+        estimate: MissionEstimate {
+            position: around.estimate.position,
+            shift: around.shift,
+            velocity: around.estimate.velocity,
+            landed: around.landed,
+        },
+    })
+}
+
+/// Starts the mission from `position`, or takes it up again.
+fn begin<S: MissionSource + ?Sized>(
+    around: &Around<'_, S>,
+    surroundings: &Surroundings<'_, S>,
+    mission: &mut Option<MissionExecutor>,
+    first: u16,
+    position: Vector3,
+    heading: f32,
+) {
+    match mission {
+        Some(mission) => mission.rejoin(surroundings, position, heading),
+        None => {
+            *mission = around
+                .stored
+                .and_then(|stored| MissionExecutor::start(stored, surroundings, first, position, heading));
+        }
+    }
+}
