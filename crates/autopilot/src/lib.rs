@@ -34,5 +34,5 @@ pub use mode::Mode;
 pub use outer::{Blocker, Outer, OuterReport, OuterResult, Phase, Refused};
 pub use parameters::{Parameters, Preset};
 pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues};
-pub use rc::{RcFrame, Sticks};
+pub use rc::{RcFrame, RcParameters, Remote, Sticks};
 pub use schedule::Schedule;

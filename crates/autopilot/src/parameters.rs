@@ -8,9 +8,11 @@ use windhover_parameters::{parameter_groups, parameters};
 
 use windhover_estimator::NoiseParameters;
 
+use crate::calibration::rc::RcCalibrationParameters;
 use crate::estimation::EstimationParameters;
 use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
+use crate::rc::RcParameters;
 use crate::sensing::CalibrationParameters;
 
 parameters! {
@@ -49,6 +51,8 @@ parameter_groups! {
         board: BoardParameters,
         estimation: EstimationParameters,
         noise: NoiseParameters,
+        rc: RcParameters,
+        rc_calibration: RcCalibrationParameters,
     }
 }
 
