@@ -10,6 +10,7 @@
 #![no_std]
 
 pub mod aiding;
+pub mod battery;
 pub mod calibration;
 pub mod estimation;
 pub mod gyro_filter;
@@ -27,6 +28,7 @@ pub mod sensing;
 pub mod trajectory;
 
 pub use aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample};
+pub use battery::{Battery, BatteryParameters, BatterySample, Charge};
 pub use estimation::{Estimate, Known, OuterConfig};
 pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};

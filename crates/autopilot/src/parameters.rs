@@ -8,6 +8,7 @@ use windhover_parameters::{parameter_groups, parameters};
 
 use windhover_estimator::NoiseParameters;
 
+use crate::battery::BatteryParameters;
 use crate::calibration::rc::RcCalibrationParameters;
 use crate::estimation::EstimationParameters;
 use crate::gyro_filter::FilterParameters;
@@ -53,6 +54,7 @@ parameter_groups! {
         noise: NoiseParameters,
         rc: RcParameters,
         rc_calibration: RcCalibrationParameters,
+        battery: BatteryParameters,
     }
 }
 

@@ -27,11 +27,14 @@ const POSITIONS: [u16; 6] = [1000, 1200, 1400, 1600, 1800, 2000];
 fn a_mode_switch_acts_when_it_is_moved_and_stays() {
     for from in POSITIONS {
         for (to, number) in POSITIONS.into_iter().zip(1..) {
-            let mut bench = Bench::default();
-            bench.rc = RcParameters {
+            let rc = RcParameters {
                 mode_2: 1.0,
                 mode_3: 4.0,
                 mode_5: 8.0,
+                ..Default::default()
+            };
+            let mut bench = Bench {
+                rc,
                 ..Default::default()
             };
             let selected = bench.rc.mode(number);
