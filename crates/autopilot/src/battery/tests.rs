@@ -178,6 +178,25 @@ fn a_level_is_left_only_with_clearly_more() {
     assert_eq!(at(0.30, 60), Charge::Low);
 }
 
+/// A deep sag that has only begun must not be an emergency at once because it was low for long enough.
+#[test]
+fn a_level_must_itself_last() {
+    let parameters = voltage_alone();
+    let mut battery = Battery::default();
+    run(&mut battery, &mut Pack::at(0.40), &parameters, 0.0, 10);
+    let mut pack = Pack {
+        time: 10_000_000,
+        ..Pack::at(0.0)
+    };
+    while battery.charge() == Charge::Enough {
+        run(&mut battery, &mut pack, &parameters, 0.0, 1);
+    }
+    assert!(battery.remaining().unwrap() < parameters.emergency);
+    assert_eq!(battery.charge(), Charge::Low);
+    run(&mut battery, &mut pack, &parameters, 0.0, 5);
+    assert_eq!(battery.charge(), Charge::Emergency);
+}
+
 /// Without a sensor nothing is known, which is not the same as a battery that never was; and what was
 /// drawn during the silence is not forgotten.
 #[test]

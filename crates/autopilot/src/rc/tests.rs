@@ -35,6 +35,7 @@ fn with(channel: usize, pulse: u16) -> RcFrame {
 struct Bench {
     remote: Remote,
     rc: RcParameters,
+    calibration: RcCalibrationParameters,
     in_air: bool,
 }
 
@@ -47,9 +48,8 @@ impl Bench {
     }
 
     fn step(&mut self, frames: &[RcFrame], joystick: &[Sticks], dt_us: u32) -> Events {
-        let calibration = RcCalibrationParameters::default();
         self.remote
-            .step(frames, joystick, &self.rc, &calibration, !self.in_air, dt_us)
+            .step(frames, joystick, &self.rc, &self.calibration, !self.in_air, dt_us)
     }
 
     /// Frames one by one; what they did, together.
@@ -153,6 +153,16 @@ fn only_masked_channels_are_reversed() {
         throttle: -1.0,
     };
     assert_eq!(bench.remote.sticks(), Some(expected));
+}
+
+/// A throttle that was left at its end during the calibration would be open at its middle.
+#[test]
+fn each_stick_has_its_own_travel_and_a_throttle_no_middle() {
+    let mut bench = Bench::default();
+    bench.calibration.trim_3 = 1000.0;
+    bench.calibration.trim_2 = 1600.0;
+    bench.frames(&[frame([1500, 1600, 1500, 1500, 1000, 1000])]);
+    assert_eq!(bench.remote.sticks(), Some(Sticks::default()));
 }
 
 /// Half a frame would fly with a stick that nobody holds.
