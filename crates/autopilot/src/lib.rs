@@ -10,6 +10,7 @@
 #![no_std]
 
 pub mod aiding;
+pub mod battery;
 pub mod calibration;
 pub mod estimation;
 pub mod gyro_filter;
@@ -28,6 +29,7 @@ pub mod supervisor;
 pub mod trajectory;
 
 pub use aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample};
+pub use battery::{Battery, BatteryParameters, BatterySample, Charge};
 pub use estimation::{Estimate, Known, OuterConfig};
 pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
@@ -35,5 +37,5 @@ pub use mode::Mode;
 pub use outer::{Blocker, Outer, OuterReport, OuterResult, Phase, Refused};
 pub use parameters::{Parameters, Preset};
 pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues};
-pub use rc::{RcFrame, Sticks};
+pub use rc::{RcFrame, RcParameters, Remote, Sticks};
 pub use schedule::Schedule;

@@ -8,9 +8,12 @@ use windhover_parameters::{parameter_groups, parameters};
 
 use windhover_estimator::NoiseParameters;
 
+use crate::battery::BatteryParameters;
+use crate::calibration::rc::RcCalibrationParameters;
 use crate::estimation::EstimationParameters;
 use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
+use crate::rc::RcParameters;
 use crate::sensing::CalibrationParameters;
 use crate::supervisor::SafetyParameters;
 
@@ -59,6 +62,9 @@ parameter_groups! {
         noise: NoiseParameters,
         safety: SafetyParameters,
         fence: FenceParameters,
+        rc: RcParameters,
+        rc_calibration: RcCalibrationParameters,
+        battery: BatteryParameters,
     }
 }
 

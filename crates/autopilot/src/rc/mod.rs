@@ -1,4 +1,18 @@
 //! The remote control: from channels to sticks and switches.
+//!
+//! In this order: pulses → the travel of each channel → sticks and levers within ±1 (`channel`) →
+//! dead band and expo ([`RcParameters::shape`]) → a machine with memory that tells what is new from
+//! what is old or merely there ([`Remote`]).
+
+mod channel;
+mod parameters;
+mod remote;
+mod switch;
+#[cfg(test)]
+mod tests;
+
+pub use self::parameters::RcParameters;
+pub use self::remote::{Events, Remote};
 
 /// Channels of a frame.
 pub const CHANNELS: usize = 16;
@@ -21,4 +35,28 @@ pub struct Sticks {
     pub yaw: f32,
     /// Up is positive; the lower end is −1.
     pub throttle: f32,
+}
+
+impl Sticks {
+    /// Whether they may come in: numbers, none beyond ±1.
+    pub fn is_valid(&self) -> bool {
+        let Self {
+            roll,
+            pitch,
+            yaw,
+            throttle,
+        } = *self;
+        // what is not a number compares as false
+        [roll, pitch, yaw, throttle]
+            .iter()
+            .all(|stick| stick.abs() <= 1.0)
+    }
+
+    /// Whether roll, pitch and yaw all lie within ±`limit`: the throttle does not spring back, so that
+    /// its place says nothing about hands.
+    pub(crate) fn rests_within(&self, limit: f32) -> bool {
+        [self.roll, self.pitch, self.yaw]
+            .iter()
+            .all(|stick| stick.abs() <= limit)
+    }
 }

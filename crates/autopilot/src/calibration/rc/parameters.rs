@@ -34,7 +34,26 @@ parameters! {
     }
 }
 
+/// Lower end, middle and upper end of a channel that has no parameters, µs.
+const USUAL: [f32; 3] = [1000.0, 1500.0, 2000.0];
+
 impl RcCalibrationParameters {
+    /// Lower end, middle and upper end of a channel, counted from 1, µs; those above the eighth have
+    /// the usual ones.
+    pub fn travel(&self, channel: u8) -> [f32; 3] {
+        match channel {
+            1 => [self.min_1, self.trim_1, self.max_1],
+            2 => [self.min_2, self.trim_2, self.max_2],
+            3 => [self.min_3, self.trim_3, self.max_3],
+            4 => [self.min_4, self.trim_4, self.max_4],
+            5 => [self.min_5, self.trim_5, self.max_5],
+            6 => [self.min_6, self.trim_6, self.max_6],
+            7 => [self.min_7, self.trim_7, self.max_7],
+            8 => [self.min_8, self.trim_8, self.max_8],
+            _ => USUAL,
+        }
+    }
+
     /// Lower end, middle and upper end of each channel.
     fn places(&mut self) -> [[&mut f32; 3]; 8] {
         [
