@@ -5,7 +5,7 @@ use windhover_math::geodesy::LocalFrame;
 
 use super::action::{Action, Altitude, Place};
 use super::route::{Cursor, Stored};
-use super::{MissionParameters, MissionSource};
+use super::{MissionParameters, MissionSource, PlanKind};
 use crate::trajectory::Limits;
 
 /// What kind of leg leads to a point.
@@ -115,7 +115,7 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
     fn is_returning(&self, nav: &Nav) -> bool {
         let action = self
             .source
-            .item(self.stored.slot, nav.item)
+            .item(PlanKind::Mission, self.stored.slot, nav.item)
             .and_then(|item| super::action::interpret(&item).ok());
         matches!(action, Some(Action::Return | Action::Land { .. }))
     }
