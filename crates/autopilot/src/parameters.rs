@@ -9,6 +9,7 @@ use windhover_parameters::{parameter_groups, parameters};
 use windhover_estimator::NoiseParameters;
 
 use crate::estimation::EstimationParameters;
+use crate::fence::FenceParameters;
 use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
 use crate::sensing::CalibrationParameters;
@@ -49,6 +50,7 @@ parameter_groups! {
         board: BoardParameters,
         estimation: EstimationParameters,
         noise: NoiseParameters,
+        fence: FenceParameters,
     }
 }
 
