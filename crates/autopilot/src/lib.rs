@@ -13,6 +13,7 @@ pub mod aiding;
 pub mod battery;
 pub mod calibration;
 pub mod estimation;
+pub mod fence;
 pub mod gyro_filter;
 pub mod inner;
 pub mod io;

@@ -11,8 +11,10 @@ use windhover_estimator::NoiseParameters;
 use crate::battery::BatteryParameters;
 use crate::calibration::rc::RcCalibrationParameters;
 use crate::estimation::EstimationParameters;
+use crate::fence::FenceParameters;
 use crate::gyro_filter::FilterParameters;
 use crate::mission::MissionParameters;
+use crate::mode::ManualParameters;
 use crate::rc::RcParameters;
 use crate::sensing::CalibrationParameters;
 use crate::supervisor::SafetyParameters;
@@ -39,13 +41,6 @@ impl BoardParameters {
     }
 }
 
-parameters! {
-    /// stub
-    pub struct FenceParameters {
-        action: "GF_ACTION", "", 0.0..=5.0, 2.0, "What is done: 0 nothing";
-    }
-}
-
 parameter_groups! {
     /// All parameters of the core.
     pub struct Parameters {
@@ -60,6 +55,7 @@ parameter_groups! {
         board: BoardParameters,
         estimation: EstimationParameters,
         noise: NoiseParameters,
+        manual: ManualParameters,
         safety: SafetyParameters,
         fence: FenceParameters,
         rc: RcParameters,

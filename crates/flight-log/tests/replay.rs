@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Flown, Plot, fly};
-use windhover_autopilot::mission::MissionSource;
+use windhover_autopilot::mission::{MissionSource, PlanKind};
 use windhover_autopilot::{Inner, Mailboxes, Outer, OuterInputs};
 use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step, difference};
 use windhover_flight_log::views::VehicleAttitude;
@@ -130,12 +130,17 @@ fn the_header_says_it_all() {
     let setup = CoreSetup::new(&log).unwrap();
     assert_eq!(setup.inner, common::config(4000));
     for (index, item) in common::mission().iter().enumerate() {
-        let read = setup.missions.item(0, index as u16).unwrap();
+        let read = setup.missions.item(PlanKind::Mission, 0, index as u16).unwrap();
         // NaN with its bits, so not by PartialEq.
         assert_eq!(read.params.map(f32::to_bits), item.params.map(f32::to_bits));
         assert_eq!((read.command, read.x, read.z), (item.command, item.x, item.z));
     }
-    assert_eq!(setup.missions.item(0, common::mission().len() as u16), None);
+    assert_eq!(
+        setup
+            .missions
+            .item(PlanKind::Mission, 0, common::mission().len() as u16),
+        None
+    );
 }
 
 #[test]

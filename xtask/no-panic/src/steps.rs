@@ -4,7 +4,7 @@
 // The names are for the reader of the ELF and for xtask, which looks whether they are in it.
 #![allow(unsafe_code)]
 
-use windhover_autopilot::mission::{MissionItem, MissionSource};
+use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
 use windhover_autopilot::{Inner, InnerInput, Mailboxes, Outer, OuterResult, Snapshot, TickOutput};
 use windhover_flight_log::Logger;
 
@@ -15,8 +15,8 @@ pub const LOG: usize = 4096;
 pub struct Storage<'a>(pub &'a [MissionItem]);
 
 impl MissionSource for Storage<'_> {
-    fn item(&self, slot: u8, index: u16) -> Option<MissionItem> {
-        core::hint::black_box(self.0).item(slot, index)
+    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
+        core::hint::black_box(self.0).item(kind, slot, index)
     }
 }
 

@@ -196,6 +196,8 @@ pub enum Reason {
     TooMany(usize),
     /// The jump leads out of the mission, or there are more jumps than can be counted.
     Jump,
+    /// The way there is not inside the fence from end to end.
+    Fence,
 }
 
 impl fmt::Display for Refusal {
@@ -216,6 +218,7 @@ impl fmt::Display for Refusal {
                 write!(f, "{field}: {count} items, the vehicle stores {max}")
             }
             Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
+            Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
         }
     }
 }
@@ -322,7 +325,8 @@ fn altitude(item: &MissionItem) -> Result<Altitude, Refusal> {
     }
 }
 
-fn place(item: &MissionItem) -> Result<Place, Refusal> {
+/// The place of an item that has one.
+pub(crate) fn place(item: &MissionItem) -> Result<Place, Refusal> {
     let altitude = altitude(item)?;
     degrees("latitude", item.x, 90)?;
     degrees("longitude", item.y, 180)?;

@@ -6,7 +6,7 @@ use windhover_math::sqrt;
 use super::action::{Action, Altitude, Place, Reason, Refusal, interpret};
 use super::item::MAX_ITEMS;
 use super::route::{MAX_JUMPS, Stored};
-use super::{MissionParameters, MissionSource};
+use super::{MissionParameters, MissionSource, PlanKind};
 
 /// Refuses a mission that has an item which is not flown: the item's index, counted from 0, and
 /// why. Without a `home` altitudes and distances are not looked at.
@@ -33,7 +33,9 @@ pub fn check<S: MissionSource + ?Sized>(
             let (field, reason) = ("mission", Reason::Missing);
             (index, Refusal { field, reason })
         };
-        let item = source.item(stored.slot, index).ok_or_else(missing)?;
+        let item = source
+            .item(PlanKind::Mission, stored.slot, index)
+            .ok_or_else(missing)?;
         let action = interpret(&item).map_err(|refusal| (index, refusal))?;
         waypoints += u32::from(matches!(action, Action::Waypoint { .. }));
         if let Action::Jump { to, .. } = action {

@@ -19,15 +19,41 @@ pub use executor::{MissionEvent, MissionEvents, MissionExecutor};
 pub use item::{MAX_ITEMS, MissionItem, PlanKind};
 pub use parameters::MissionParameters;
 
-/// Where missions are stored: two slots, one of them valid, the other one for the next upload.
+/// Where plans are stored: of each kind two slots, one of them valid, the other one for the next
+/// upload.
 pub trait MissionSource {
-    /// One item of the mission in a slot; `None` beyond its end.
-    fn item(&self, slot: u8, index: u16) -> Option<MissionItem>;
+    /// One item of the plan of that kind in a slot; `None` beyond its end.
+    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem>;
 }
 
-/// A mission in memory, whatever the slot.
+/// A mission in memory, whatever the slot; no fence and no rally points.
 impl MissionSource for [MissionItem] {
-    fn item(&self, _slot: u8, index: u16) -> Option<MissionItem> {
-        self.get(usize::from(index)).copied()
+    fn item(&self, kind: PlanKind, _slot: u8, index: u16) -> Option<MissionItem> {
+        match kind {
+            PlanKind::Mission => self.get(usize::from(index)).copied(),
+            PlanKind::Fence | PlanKind::Rally => None,
+        }
+    }
+}
+
+/// Plans of all kinds in memory, whatever the slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Plans<'a> {
+    /// The mission.
+    pub mission: &'a [MissionItem],
+    /// The fence.
+    pub fence: &'a [MissionItem],
+    /// Rally points.
+    pub rally: &'a [MissionItem],
+}
+
+impl MissionSource for Plans<'_> {
+    fn item(&self, kind: PlanKind, _slot: u8, index: u16) -> Option<MissionItem> {
+        let items = match kind {
+            PlanKind::Mission => self.mission,
+            PlanKind::Fence => self.fence,
+            PlanKind::Rally => self.rally,
+        };
+        items.get(usize::from(index)).copied()
     }
 }

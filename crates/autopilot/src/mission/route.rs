@@ -4,7 +4,7 @@
 
 use super::MissionSource;
 use super::action::{Action, interpret};
-use super::item::MAX_ITEMS;
+use super::item::{MAX_ITEMS, PlanKind};
 
 /// How many jump items a mission may have: their repeats are counted.
 pub const MAX_JUMPS: usize = 8;
@@ -47,7 +47,7 @@ impl Cursor {
             if index >= stored.count {
                 return None;
             }
-            let action = interpret(&source.item(stored.slot, index)?).ok()?;
+            let action = interpret(&source.item(PlanKind::Mission, stored.slot, index)?).ok()?;
             self.next = match action {
                 Action::Jump { to, times } if self.takes_jump(index, times) => to,
                 _ => index + 1,

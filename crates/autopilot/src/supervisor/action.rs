@@ -1,5 +1,6 @@
 //! What a failsafe does, in the order of how much it takes out of the pilot's hands.
 
+use crate::fence::FenceAction;
 use crate::mode::Mode;
 
 /// What is done about something that has gone wrong. Later ones are more severe.
@@ -79,15 +80,15 @@ impl Action {
         }
     }
 
-    /// As `GF_ACTION` numbers it.
-    pub(super) fn of_fence(code: f32) -> Self {
-        match code as u8 {
-            0 => Self::None,
-            1 => Self::Warn,
-            2 => Self::Hold,
-            3 => Self::Return,
-            4 => Self::Terminate,
-            _ => Self::Land,
+    /// What a fence does that is reached.
+    pub(super) fn of_fence(action: FenceAction) -> Self {
+        match action {
+            FenceAction::Nothing => Self::None,
+            FenceAction::Warn => Self::Warn,
+            FenceAction::Hold => Self::Hold,
+            FenceAction::Return => Self::Return,
+            FenceAction::Terminate => Self::Terminate,
+            FenceAction::Land => Self::Land,
         }
     }
 }

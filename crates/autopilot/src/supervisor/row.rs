@@ -164,7 +164,7 @@ rows! {
     Fence {
         name: "fence", text: "geofence",
         after: |_| 0.0, clears: 1.0, on_ground: false,
-        action: |p| Action::of_fence(p.fence.action), yields_to: Override::Operator, resumes: false,
+        action: |p| Action::of_fence(p.fence.action()), yields_to: Override::Operator, resumes: false,
     }
     /// The vehicle lies on its side, or worse, with room below it to recover.
     TumbleHigh {

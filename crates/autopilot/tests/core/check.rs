@@ -3,7 +3,7 @@
 use windhover_autopilot::mission::action::{Reason, command};
 use windhover_autopilot::mission::route::{MAX_JUMPS, Stored};
 use windhover_autopilot::mission::{
-    MAX_ITEMS, MissionItem, MissionParameters, MissionSource, Refusal, check,
+    MAX_ITEMS, MissionItem, MissionParameters, MissionSource, PlanKind, Refusal, check,
 };
 
 use super::{HOME, item, item_at, waypoint};
@@ -125,7 +125,7 @@ fn more_items_than_are_stored() {
 fn a_mission_that_is_not_all_there_is_refused() {
     struct Torn;
     impl MissionSource for Torn {
-        fn item(&self, _slot: u8, index: u16) -> Option<MissionItem> {
+        fn item(&self, _kind: PlanKind, _slot: u8, index: u16) -> Option<MissionItem> {
             (index < 3).then(|| waypoint(10.0, 0.0, 10.0))
         }
     }

@@ -157,7 +157,7 @@ fn missions(log: &Log<'_>) -> Result<MissionStore, SetupError> {
     let slot = required(log.value::<u32>("mission_slot"), "mission_slot")? as u8;
     let count = required(log.value::<u32>("mission_count"), "mission_count")? as u16;
     let written = required(log.value("mission_crc"), "mission_crc")?;
-    let items = || (0..count).map_while(|index| store.item(slot, index));
+    let items = || (0..count).map_while(|index| store.item(PlanKind::Mission, slot, index));
     let found = items().count() as u16;
     if found < count {
         return Err(SetupError::MissionCut { found, count });
@@ -169,23 +169,24 @@ fn missions(log: &Log<'_>) -> Result<MissionStore, SetupError> {
     Ok(store)
 }
 
-/// Missions as they are stored on board, by slot.
+/// Plans as they are stored on board, by kind and slot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MissionStore {
-    items: BTreeMap<(u8, u16), MissionItem>,
+    items: BTreeMap<(u8, u8, u16), MissionItem>,
 }
 
 impl MissionStore {
-    /// Stores an item, where it belongs to a mission.
+    /// Stores an item.
     pub fn put(&mut self, item: &PlanItem) {
-        if item.kind == PlanKind::Mission && self.items.len() < MOST {
-            self.items.insert((item.slot, item.index), item.item);
+        if self.items.len() < MOST {
+            self.items
+                .insert((item.kind.code(), item.slot, item.index), item.item);
         }
     }
 }
 
 impl MissionSource for MissionStore {
-    fn item(&self, slot: u8, index: u16) -> Option<MissionItem> {
-        self.items.get(&(slot, index)).copied()
+    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
+        self.items.get(&(kind.code(), slot, index)).copied()
     }
 }

@@ -1,0 +1,99 @@
+//! Whether the vehicle is outside of the fence, or cannot stop inside any more unless it brakes
+//! now.
+//!
+//! The stopping point lies ahead by v·t + v²/(2a): the way until the brakes act, and the way of
+//! braking. Not that point alone is looked at but the whole way to it, so that no exclusion is too
+//! thin to be seen. The margin comes on top; a vehicle that hardly moves has no direction, so up
+//! to 1 m/s the margin grows with the speed.
+
+use windhover_math::{Vector3, max, min};
+
+use super::shape::{Point, length, squared};
+use super::{Fence, FenceParameters, ground};
+
+/// From this speed on the whole margin is kept, m/s.
+const MARGIN_SPEED: f32 = 1.0;
+
+/// The least acceleration that is believed, m/s².
+const LEAST_ACCELERATION: f32 = 0.1;
+
+/// What lies outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BreachKind {
+    /// All inclusions are left.
+    Boundary,
+    /// An exclusion is entered.
+    Exclusion,
+    /// Further from home than the parameter allows.
+    Distance,
+    /// Higher above home than the parameter allows.
+    Altitude,
+}
+
+/// The vehicle is outside, or will be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Breach {
+    /// What of.
+    pub kind: BreachKind,
+    /// Whether it is still inside, and has to brake now to stay there.
+    pub predicted: bool,
+}
+
+impl Fence {
+    /// Whether the vehicle is outside, or has to brake now. `position` and `velocity` are NED in m
+    /// and m/s; `acceleration` is what it brakes with, m/s²; `reaction_time` is how long it flies
+    /// on before, s.
+    pub fn watch(
+        &self,
+        parameters: &FenceParameters,
+        position: Vector3,
+        velocity: Vector3,
+        acceleration: f32,
+        reaction_time: f32,
+    ) -> Option<Breach> {
+        let breach = |kind, predicted| Breach { kind, predicted };
+        if let Some(kind) = self.breach_of(parameters, position, position) {
+            return Some(breach(kind, false));
+        }
+        if !parameters.predicts() {
+            return None;
+        }
+        let ahead = |speed: f32| {
+            let braking = speed * speed / (2.0 * max(acceleration, LEAST_ACCELERATION));
+            speed * reaction_time + braking + parameters.margin * min(speed / MARGIN_SPEED, 1.0)
+        };
+        let over_ground = ground(velocity);
+        let speed = length(over_ground);
+        let along = if speed > 0.0 {
+            over_ground * (ahead(speed) / speed)
+        } else {
+            Point::zeros()
+        };
+        // Downwards there is no limit.
+        let climb = ahead(max(-velocity.z, 0.0));
+        let stop = position + Vector3::new(along.x, along.y, -climb);
+        let kind = self.breach_of(parameters, position, stop)?;
+        Some(breach(kind, true))
+    }
+
+    /// Whether the straight way between two positions, NED in m, leaves the fence, enters an
+    /// exclusion or goes beyond a limit of the parameters anywhere, its ends included. What is
+    /// thinner than a centimetre does not count.
+    pub fn leaves(&self, parameters: &FenceParameters, from: Vector3, to: Vector3) -> bool {
+        self.breach_of(parameters, from, to).is_some()
+    }
+
+    fn breach_of(&self, parameters: &FenceParameters, from: Vector3, to: Vector3) -> Option<BreachKind> {
+        // Both limits are convex: the ends decide.
+        let beyond = |limit: f32, value: f32| limit > 0.0 && value > limit;
+        if beyond(parameters.altitude_max, max(-from.z, -to.z)) {
+            return Some(BreachKind::Altitude);
+        }
+        let (from, to) = (ground(from), ground(to));
+        let furthest = max(squared(from), squared(to));
+        if beyond(parameters.distance_max, windhover_math::sqrt(furthest)) {
+            return Some(BreachKind::Distance);
+        }
+        self.breach_along(from, to)
+    }
+}
