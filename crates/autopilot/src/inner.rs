@@ -27,9 +27,6 @@ use crate::sensing::{BoardRotation, CalibrationParameters, Inertial, SensingBord
 /// Without a sample for so long, the motors stop, µs.
 const IMU_TIMEOUT: u64 = 20_000;
 
-/// Thrust of the descent when position or the outer loop is lost, as a share of the weight.
-const DESCENT_THRUST: f32 = 0.95;
-
 /// What is fixed when the core is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InnerConfig {
@@ -77,7 +74,7 @@ impl InnerParameters {
 
     /// Thrust that lets a level vehicle sink slowly, N.
     pub fn descent_thrust(&self) -> f32 {
-        DESCENT_THRUST * self.weight
+        crate::mode::descend::THRUST * self.weight
     }
 }
 
@@ -411,9 +408,15 @@ impl Inner {
             gyro_bias: self.predictor.bias(),
             ..Increments::default()
         };
+        let increments = core::mem::replace(&mut self.increments, next);
         let increments = Increments {
             rotation: self.predictor.mark(),
-            ..core::mem::replace(&mut self.increments, next)
+            clipped: if self.inertial.is_clipped() {
+                increments.ticks
+            } else {
+                0
+            },
+            ..increments
         };
         Snapshot {
             tick,

@@ -100,6 +100,9 @@ pub struct Increments {
     /// Ticks of these at which the accelerometer showed nothing that can be true: instead of it the
     /// thrust counts that the rotors should have made.
     pub blind: u16,
+    /// Ticks of these at whose end a sensor showed an end of its range; only the last one is looked
+    /// at, and stands for all.
+    pub clipped: u16,
     /// Ticks of these at which a rotor limit changed the demand.
     pub saturated: u16,
 }

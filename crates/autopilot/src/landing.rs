@@ -109,8 +109,8 @@ impl LandDetector {
     fn stands(&self, snapshot: &Snapshot, estimate: &Estimate, per_second: f32) -> bool {
         let velocity = &estimate.velocity;
         let still_upright = !estimate.known.height || velocity.z.abs() < SPEED.0;
-        let still_flat = !estimate.known.position
-            || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
+        let still_flat =
+            !estimate.known.position || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
         let turn = snapshot.increments.rotation.shortest();
         let rate = 2.0 * per_second * scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
         let held = (scalar::norm(self.force) - GRAVITY).abs() < FORCE;

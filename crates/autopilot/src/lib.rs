@@ -11,12 +11,14 @@
 
 pub mod aiding;
 pub mod battery;
+pub mod blocker;
 pub mod calibration;
 pub mod estimation;
 pub mod fence;
 pub mod gyro_filter;
 pub mod inner;
 pub mod io;
+pub mod landing;
 pub mod mission;
 pub mod mode;
 pub mod outer;
@@ -28,15 +30,18 @@ pub mod schedule;
 pub mod sensing;
 pub mod supervisor;
 pub mod trajectory;
+pub mod watch;
 
 pub use aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample};
 pub use battery::{Battery, BatteryParameters, BatterySample, Charge};
+pub use blocker::{Blocker, Blockers};
 pub use estimation::{Estimate, Known, OuterConfig};
 pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 pub use mode::Mode;
-pub use outer::{Blocker, Outer, OuterReport, OuterResult, Phase, Refused};
+pub use outer::{Outer, OuterReport, OuterResult, Refused, Why};
 pub use parameters::{Parameters, Preset};
-pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues};
+pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues, Station};
 pub use rc::{RcFrame, RcParameters, Remote, Sticks};
 pub use schedule::Schedule;
+pub use supervisor::{Action, Phase, Row};

@@ -10,6 +10,11 @@ use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3, scalar};
 
 use crate::aiding::{BarometerSample, CompassSample, GnssSample};
+use crate::battery::BatterySample;
+use crate::mission::PlanKind;
+use crate::mission::action::{Altitude, Place};
+use crate::mode::{Guidance, Mode, Target};
+use crate::rc::{RcFrame, Sticks};
 
 /// A bounded queue that counts what it could not take.
 #[derive(Clone, Debug)]
@@ -117,6 +122,16 @@ outer_inputs! {
     compass: CompassSample, 4, 2;
     /// The satellite receiver.
     gnss: GnssSample, 2, 1;
+    /// Places and velocities from outside.
+    guidance: Guidance, 2, 2;
+    /// The remote control's receiver.
+    rc: RcFrame, 2, 2;
+    /// Sticks that come by a ground station.
+    sticks: Sticks, 2, 2;
+    /// The battery's sensors.
+    battery: BatterySample, 2, 1;
+    /// Ground stations that are heard.
+    station: Station, 4, 2;
 }
 
 /// Position, velocity and attitude as somebody outside knows them, at the time of the snapshot.
@@ -142,31 +157,50 @@ impl ExternalEstimate {
 }
 
 /// What the operator wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    /// Let the motors turn.
+    /// Let the motors turn, if nothing speaks against it.
     Arm,
-    /// Stop the motors of a landed vehicle.
+    /// Let the motors turn, whatever speaks against it.
+    ForceArm,
+    /// Stop the motors of a vehicle on the ground.
     Disarm,
-    /// Fly the stored mission from its first item.
-    StartMission,
-    /// Follow the trajectory setpoints that come from outside.
-    StartOffboard,
-    /// Follow the attitude and thrust that come from outside; no position is needed.
-    StartAttitude,
-    /// A mission was committed to storage: from now on it is this one.
-    CommitMission(MissionCommit),
+    /// Fly in this mode: at once, or as soon as the vehicle is armed.
+    Fly(Mode),
+    /// Take off to an altitude (`None` leaves it to a parameter) with a heading (rad, `None` keeps it).
+    Takeoff(Option<Altitude>, Option<f32>),
+    /// Go there and stay.
+    GoTo(Target),
+    /// Fly the stored mission, from the item with this index on.
+    StartMission(u16),
+    /// Ground speed of the mission from the next leg on, m/s; `None` goes back to the parameter's.
+    SetSpeed(Option<f32>),
+    /// Home is there; `None` is where the vehicle is.
+    SetHome(Option<Place>),
+    /// The nose points at a place; `None` ahead again.
+    LookAt(Option<Place>),
+    /// Take a photo now.
+    TakePhoto,
+    /// A plan was committed to storage: from now on it is this one.
+    Commit(PlanKind, MissionCommit),
 }
 
-/// Which stored mission is the valid one.
+/// Which stored plan is the valid one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MissionCommit {
     /// The storage slot that holds it.
     pub slot: u8,
-    /// How many items it has.
+    /// How many items it has; 0 clears it.
     pub count: u16,
     /// CRC-32 over its items, as the log names it.
     pub crc: u32,
+}
+
+/// A ground station's heartbeat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Station {
+    /// Its system number.
+    pub system: u8,
 }
 
 /// A write to the parameter table.
@@ -197,7 +231,7 @@ mod tests {
     #[test]
     fn refilled_queues_freeze_to_the_same_inputs() {
         let mut queues = Queues::default();
-        for command in [Command::Arm, Command::StartMission, Command::Disarm] {
+        for command in [Command::Arm, Command::StartMission(0), Command::Disarm] {
             queues.command.push(command);
         }
         queues.parameter.push(ParameterWrite { index: 3, value: 0.5 });

@@ -19,6 +19,9 @@ pub const ACCEL_SCALE: f32 = GRAVITY / 2048.0;
 parameters! {
     /// Calibration of the inertial sensors, in body axes.
     pub struct CalibrationParameters {
+        gyro_id: "CAL_GYRO0_ID", "", 0.0..=16777215.0, 0.0, "Identity of the gyro that the calibration is of; 0: not calibrated, and the vehicle does not arm";
+        accel_id: "CAL_ACC0_ID", "", 0.0..=16777215.0, 0.0, "Identity of the accelerometer that the calibration is of; 0: not calibrated, and the vehicle does not arm";
+        compass_id: "CAL_MAG0_ID", "", 0.0..=16777215.0, 0.0, "Identity of the compass that the calibration is of; 0: not calibrated, and the vehicle does not arm to fly by position";
         gyro_x: "CAL_GYRO0_XOFF", "rad/s", -1.0..=1.0, 0.0, "Gyro offset, front axis";
         gyro_y: "CAL_GYRO0_YOFF", "rad/s", -1.0..=1.0, 0.0, "Gyro offset, right axis";
         gyro_z: "CAL_GYRO0_ZOFF", "rad/s", -1.0..=1.0, 0.0, "Gyro offset, down axis";
@@ -60,6 +63,16 @@ pub struct Inertial {
     pub specific_force: Vector3,
     /// Body rate, rad/s, bias included.
     pub rate: Vector3,
+}
+
+impl Inertial {
+    /// Whether an axis shows an end of its range, or nearly: what is really there may be more.
+    pub fn is_clipped(&self) -> bool {
+        const RATE: f32 = 32_000.0 * GYRO_SCALE;
+        const FORCE: f32 = 32_000.0 * ACCEL_SCALE;
+        let beyond = |v: &Vector3, most: f32| v.iter().any(|axis| axis.abs() > most);
+        beyond(&self.rate, RATE) || beyond(&self.specific_force, FORCE)
+    }
 }
 
 /// The conversion of one sensor with everything that is constant multiplied out:

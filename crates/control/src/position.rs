@@ -165,6 +165,31 @@ impl PositionController {
         }
     }
 
+    /// The height equation alone: the thrust, in N, that leads a vehicle of whatever attitude to the
+    /// height of `setpoint`. North and east are somebody else's; their integrals begin anew.
+    pub fn lift(
+        &mut self,
+        parameters: &PositionParameters,
+        vehicle: &VehicleParameters,
+        setpoint: &TrajectorySetpoint,
+        estimate: &PositionEstimate,
+        thrust_shortfall: f32,
+        dt: f32,
+    ) -> f32 {
+        let cos_tilt = cos_tilt(estimate.attitude, parameters);
+        self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
+        (self.shortfall.x, self.shortfall.y) = (0.0, 0.0);
+        let error = saturate(setpoint.position.z - estimate.position.z, parameters.error_max);
+        let rate = setpoint.velocity.z - estimate.velocity.z;
+        let per_mass = per_mass(parameters, vehicle);
+        let [_, _, gains] = parameters.gains();
+        let [north, east, down] = &mut self.axes;
+        (*north, *east) = (Pid::default(), Pid::default());
+        let feedback = down.step(&gains, error, rate, self.shortfall.z / per_mass, dt) * per_mass;
+        let demand = feedback + setpoint.acceleration.z * parameters.feed_forward - estimate.disturbance.z;
+        self.height(parameters, vehicle, demand, cos_tilt).1
+    }
+
     /// Takes on new gains without a jump.
     pub fn retune(&mut self, old: &PositionParameters, new: &PositionParameters) {
         let gains = old.gains().into_iter().zip(new.gains());

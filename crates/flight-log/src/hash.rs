@@ -6,13 +6,13 @@
 //! The lanes are joined by the finaliser of MurmurHash3.
 
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::{MotorCommand, OuterReport, OuterResult, Refused};
+use windhover_autopilot::{MotorCommand, OuterReport, OuterResult, Refused, Row, Why};
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::inputs::FlatCommand;
-use crate::views::{blocker_code, known_code, motor_state_code, phase_code, refusal_code};
+use crate::views::{known_code, motor_state_code, refusal_code, why_code};
 
 const PRIME: u32 = 16_777_619;
 
@@ -60,7 +60,9 @@ pub fn result_hash(result: &OuterResult) -> u32 {
         u32::from(result.parameters.is_some()),
     ]);
     lanes.quaternion(&result.attitude);
-    lanes.vector(&result.gyro_bias, u32::from(phase_code(result.report.phase)));
+    let report = &result.report;
+    let state = (report.phase as u32) << 16 | (report.mode as u32) << 8 | row_code(report.failsafe);
+    lanes.vector(&result.gyro_bias, state);
     let AttitudeSetpoint {
         attitude,
         rate,
@@ -68,11 +70,24 @@ pub fn result_hash(result: &OuterResult) -> u32 {
     } = &result.setpoint;
     lanes.quaternion(attitude);
     lanes.vector(rate, thrust.to_bits());
-    report(&mut lanes, &result.report);
+    self::report(&mut lanes, report);
     lanes.finish()
 }
 
+/// 0 for none.
+fn row_code(row: Option<Row>) -> u32 {
+    row.map_or(0, |row| row as u32 + 1)
+}
+
 fn report(lanes: &mut Lanes, report: &OuterReport) {
+    let (battery, mission) = (&report.battery, &report.mission);
+    lanes.vector(&report.home, report.active.0);
+    lanes.words([
+        report.blockers.0,
+        u32::from(mission.current) << 16 | u32::from(mission.count),
+        u32::from(mission.begun) << 8 | battery.charge as u32,
+        battery.voltage.unwrap_or_default().to_bits() ^ battery.drawn.to_bits(),
+    ]);
     let estimate = &report.estimate;
     let accuracy = &estimate.accuracy;
     lanes.vector(&estimate.position, u32::from(known_code(estimate.known)));
@@ -134,11 +149,22 @@ fn event(lanes: &mut Lanes, event: &MissionEvent) {
 
 fn refusal(lanes: &mut Lanes, refused: &Refused) {
     match refused {
-        Refused::Command(command, blocker) => {
+        Refused::Command(command, why) => {
             let flat = FlatCommand::from(*command);
-            let place = u32::from(flat.slot) << 16 | u32::from(flat.count);
-            let kind = u32::from(flat.command) << 8 | u32::from(blocker_code(*blocker));
-            lanes.words([6, kind, place, flat.crc]);
+            let kind = u32::from(flat.command) << 16 | u32::from(flat.mode) << 8 | u32::from(flat.uses);
+            let (detail, item) = match why {
+                Why::Blocked(blockers) => (blockers.0, 0),
+                Why::Failsafe(row) => (row_code(Some(*row)), 0),
+                Why::Mission(item, _) | Why::Fence(item, _) => (0, u32::from(*item)),
+                _ => (0, 0),
+            };
+            lanes.words([6, kind, u32::from(why_code(why)), detail]);
+            lanes.words([
+                u32::from(flat.slot) << 16 | u32::from(flat.count),
+                flat.crc ^ flat.altitude.to_bits(),
+                flat.latitude as u32 ^ flat.heading.to_bits(),
+                flat.longitude as u32 ^ flat.speed.to_bits() ^ item,
+            ]);
         }
         Refused::Parameter(write, refusal) => {
             let reason = u32::from(refusal_code(*refusal));

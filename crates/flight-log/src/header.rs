@@ -17,7 +17,7 @@ use crate::wire::{Encoder, FILE_HEADER, MAGIC, VERSION, kind, message};
 pub const CHUNK: usize = 512;
 
 /// Version of what we write into ULog's frame; a reader knows one.
-pub const LOG_VERSION: u32 = 2;
+pub const LOG_VERSION: u32 = 3;
 
 /// The most bytes of a text; what is longer is cut.
 const TEXT: usize = 200;

@@ -269,6 +269,32 @@ impl Estimation {
         }
     }
 
+    /// Time since the position or velocity was measured, s: 0 with word from outside, `None` while
+    /// nothing has been measured.
+    pub fn position_age(&self) -> Option<f32> {
+        match &self.stage {
+            Stage::Aligning { .. } => None,
+            Stage::External(_) => Some(0.0),
+            Stage::Running(filter) => {
+                let age = |sensor| filter.monitor(sensor).age(filter.time());
+                let ages = [Sensor::GnssPosition, Sensor::GnssVelocity, Sensor::Pose].map(age);
+                let newest = ages.into_iter().flatten().min()?;
+                Some(newest.min(1_000_000_000) as u32 as f32 * 1e-6)
+            }
+        }
+    }
+
+    /// Whether a sensor that was heard of is not relied on any more.
+    pub fn is_lost(&self, sensor: Sensor) -> bool {
+        let health = self.filter().map(|filter| filter.health(sensor));
+        matches!(health, Some(Health::Lost { .. }))
+    }
+
+    /// Whether the vehicle flies on its own sensors.
+    pub fn is_on_sensors(&self) -> bool {
+        !matches!(self.stage, Stage::External(_))
+    }
+
     /// Where the vehicle is, steps of the estimate are no more of a setpoint's concern.
     pub fn forget_steps(&mut self) {
         self.handover = Handover::default();

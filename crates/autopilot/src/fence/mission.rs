@@ -31,7 +31,7 @@ pub fn check_mission<S: MissionSource + ?Sized>(
         parameters,
     };
     // Where the vehicle is before the item; behind a jump for ever that is not known.
-    let mut from = Some(Vector3::new(0.0, 0.0, 0.0));
+    let mut from = Some(chart.home);
     let mut landed = true;
     for index in 0..chart.stored.count {
         let Some(action) = walk.action(index) else {
@@ -121,16 +121,17 @@ impl<S: MissionSource + ?Sized> Walk<'_, S> {
 
     /// Up to the return height, across to where it is nearest to land, and down there.
     fn homeward(&self, index: u16, from: Vector3) -> Result<Vector3, (u16, Refusal)> {
-        let height = min(from.z, -self.chart.parameters.return_altitude);
+        let home = self.chart.home;
+        let height = min(from.z, home.z - self.chart.parameters.return_altitude);
         let up = Vector3::new(from.x, from.y, height);
-        let to = self.rally.destination(from);
+        let to = self.rally.destination(from, home);
         self.leg(index, "return", from, up)?;
         self.leg(index, "return", up, Vector3::new(to.x, to.y, height))?;
-        Ok(Vector3::new(to.x, to.y, 0.0))
+        Ok(Vector3::new(to.x, to.y, home.z))
     }
 
     fn leg(&self, index: u16, field: &'static str, from: Vector3, to: Vector3) -> Result<(), (u16, Refusal)> {
-        if self.fence.leaves(self.parameters, from, to) {
+        if self.fence.leaves(self.parameters, self.chart.home, from, to) {
             return Err(refuse(index, field));
         }
         Ok(())

@@ -73,11 +73,15 @@ impl Rally {
 
     /// Where to return to from a position, NED in m: home, or the nearest rally point if that is
     /// nearer over ground.
-    pub fn destination(&self, position: Vector3) -> Vector3 {
+    pub fn destination(&self, position: Vector3, home: Vector3) -> Vector3 {
         let here = ground(position);
         match self.nearest(position) {
-            Some(RallyPoint { position }) if squared(ground(position) - here) < squared(here) => position,
-            _ => Vector3::new(0.0, 0.0, 0.0),
+            Some(RallyPoint { position })
+                if squared(ground(position) - here) < squared(ground(home) - here) =>
+            {
+                position
+            }
+            _ => home,
         }
     }
 }

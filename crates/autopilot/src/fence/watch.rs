@@ -40,19 +40,20 @@ pub struct Breach {
 }
 
 impl Fence {
-    /// Whether the vehicle is outside, or has to brake now. `position` and `velocity` are NED in m
-    /// and m/s; `acceleration` is what it brakes with, m/s²; `reaction_time` is how long it flies
+    /// Whether the vehicle is outside, or has to brake now. `home`, from which the parameters'
+    /// limits count, `position` and `velocity` are NED in m and m/s; `acceleration` is what it brakes with, m/s²; `reaction_time` is how long it flies
     /// on before, s.
     pub fn watch(
         &self,
         parameters: &FenceParameters,
+        home: Vector3,
         position: Vector3,
         velocity: Vector3,
         acceleration: f32,
         reaction_time: f32,
     ) -> Option<Breach> {
         let breach = |kind, predicted| Breach { kind, predicted };
-        if let Some(kind) = self.breach_of(parameters, position, position) {
+        if let Some(kind) = self.breach_of(parameters, home, position, position) {
             return Some(breach(kind, false));
         }
         if !parameters.predicts() {
@@ -72,25 +73,31 @@ impl Fence {
         // Downwards there is no limit.
         let climb = ahead(max(-velocity.z, 0.0));
         let stop = position + Vector3::new(along.x, along.y, -climb);
-        let kind = self.breach_of(parameters, position, stop)?;
+        let kind = self.breach_of(parameters, home, position, stop)?;
         Some(breach(kind, true))
     }
 
     /// Whether the straight way between two positions, NED in m, leaves the fence, enters an
     /// exclusion or goes beyond a limit of the parameters anywhere, its ends included. What is
     /// thinner than a centimetre does not count.
-    pub fn leaves(&self, parameters: &FenceParameters, from: Vector3, to: Vector3) -> bool {
-        self.breach_of(parameters, from, to).is_some()
+    pub fn leaves(&self, parameters: &FenceParameters, home: Vector3, from: Vector3, to: Vector3) -> bool {
+        self.breach_of(parameters, home, from, to).is_some()
     }
 
-    fn breach_of(&self, parameters: &FenceParameters, from: Vector3, to: Vector3) -> Option<BreachKind> {
+    fn breach_of(
+        &self,
+        parameters: &FenceParameters,
+        home: Vector3,
+        from: Vector3,
+        to: Vector3,
+    ) -> Option<BreachKind> {
         // Both limits are convex: the ends decide.
         let beyond = |limit: f32, value: f32| limit > 0.0 && value > limit;
-        if beyond(parameters.altitude_max, max(-from.z, -to.z)) {
+        if beyond(parameters.altitude_max, max(home.z - from.z, home.z - to.z)) {
             return Some(BreachKind::Altitude);
         }
         let (from, to) = (ground(from), ground(to));
-        let furthest = max(squared(from), squared(to));
+        let furthest = max(squared(from - ground(home)), squared(to - ground(home)));
         if beyond(parameters.distance_max, windhover_math::sqrt(furthest)) {
             return Some(BreachKind::Distance);
         }

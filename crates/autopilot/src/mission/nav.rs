@@ -1,7 +1,7 @@
 //! The points that a mission is flown to, found by looking ahead.
 
-use windhover_math::{Vector3, min};
 use windhover_math::geodesy::LocalFrame;
+use windhover_math::{Vector3, min};
 
 use super::action::{Action, Altitude, Place};
 use super::route::{Cursor, Stored};

@@ -3,7 +3,7 @@
 
 use super::tilt::Tilt;
 use super::{Around, Demand, Motion, Step};
-use crate::rc::{Sticks, height_stick};
+use crate::rc::Sticks;
 use crate::trajectory::{Glide, GlideLimits};
 use windhover_math::Vector3;
 
@@ -52,7 +52,7 @@ impl AltitudeHold {
 /// The velocity downwards that the throttle stick asks for, m/s.
 pub(super) fn climb<S: ?Sized>(around: &Around<'_, S>, sticks: &Sticks) -> f32 {
     let p = &around.parameters.manual;
-    let stick = height_stick(sticks.throttle, &around.parameters.rc);
+    let stick = around.parameters.rc.climb(sticks.throttle);
     if stick > 0.0 {
         -stick * p.climb
     } else {

@@ -82,9 +82,7 @@ impl Course {
         }
         let Some(path) = &mut self.path else {
             let limits = GlideLimits::of(&around.parameters.manual);
-            let jerk = self
-                .glide
-                .step(Vector3::zeros(), &limits, rate, around.seconds);
+            let jerk = self.glide.step(Vector3::zeros(), &limits, rate, around.seconds);
             return self.glide.setpoint(jerk, rate, heading);
         };
         if path.is_finished()
@@ -92,7 +90,11 @@ impl Course {
         {
             let limits = Limits {
                 speed: self.speed.unwrap_or(p.cruise_speed),
-                climb: if around.landed { p.takeoff_speed } else { p.climb_speed },
+                climb: if around.landed {
+                    p.takeoff_speed
+                } else {
+                    p.climb_speed
+                },
                 descend: p.descend_speed,
                 acceleration: p.acceleration,
                 vertical_acceleration: p.vertical_acceleration,

@@ -40,7 +40,14 @@ impl Mission {
             if !course.is_done() {
                 return Step::of(Demand::Follow(setpoint));
             }
-            begin(around, &surroundings, mission, first, course.position(), setpoint.heading);
+            begin(
+                around,
+                &surroundings,
+                mission,
+                first,
+                course.position(),
+                setpoint.heading,
+            );
             self.braking = None;
         }
         let Some(mission) = mission else {

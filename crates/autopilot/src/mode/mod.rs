@@ -21,7 +21,7 @@ mod tilt;
 
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
-use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_math::geodesy::LocalFrame;
 use windhover_math::{Quaternion, Vector3};
 
 use crate::estimation::Estimate;
@@ -242,6 +242,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// Of a vehicle that stands.
+    pub fn rest() -> Self {
+        Self::of(Demand::Rest)
+    }
+
     fn of(demand: Demand) -> Self {
         Self {
             demand,
@@ -456,7 +461,9 @@ pub fn available(conditions: &Conditions) -> ModeSet {
             Mode::Position => position && sticks,
             Mode::Takeoff | Mode::Hold | Mode::Return | Mode::Land => position,
             Mode::Mission => position && mission,
-            Mode::Offboard => setpoint.is_some_and(|needs_position| if needs_position { position } else { attitude }),
+            Mode::Offboard => {
+                setpoint.is_some_and(|needs_position| if needs_position { position } else { attitude })
+            }
             Mode::Descend => true,
         };
         set.with(mode, is)

@@ -36,10 +36,7 @@ impl PositionHold {
         self.heading.rate += max(-most, min(most, turn));
         self.heading.heading = wrap_pi(self.heading.heading + self.heading.rate * around.seconds);
         let (sin, cos) = sin_cos(self.heading.heading);
-        let length = max(
-            sqrt(sticks.roll * sticks.roll + sticks.pitch * sticks.pitch),
-            1.0,
-        );
+        let length = max(sqrt(sticks.roll * sticks.roll + sticks.pitch * sticks.pitch), 1.0);
         let (forward, right) = (
             sticks.pitch * p.velocity / length,
             sticks.roll * p.velocity / length,
@@ -53,9 +50,7 @@ impl PositionHold {
         );
         let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
         let rate = around.parameters.mission.rate(behind);
-        let jerk = self
-            .glide
-            .step(wanted, &GlideLimits::of(p), rate, around.seconds);
+        let jerk = self.glide.step(wanted, &GlideLimits::of(p), rate, around.seconds);
         let heading = (self.heading.heading, self.heading.rate);
         Step::of(Demand::Follow(self.glide.setpoint(jerk, rate, heading)))
     }

@@ -181,7 +181,12 @@ fn check(
     if after.phase == Phase::Flying {
         let acts = after.acting.map_or(Action::None, |row| actions.of(row));
         for row in facts.rising.iter() {
-            assert!(acts >= actions.of(row), "{} does not act: {}", row.watched().name, what());
+            assert!(
+                acts >= actions.of(row),
+                "{} does not act: {}",
+                row.watched().name,
+                what()
+            );
         }
         // And the mode does what it asks for, or the most of it that can be done.
         let wanted = acts.mode();
@@ -198,7 +203,8 @@ fn check(
     {
         let now = after.acting.map_or(Action::None, |row| actions.of(row));
         assert!(now >= actions.of(acting), "{}", what());
-        let kept = Action::of(after.mode) >= Action::of(before.mode) || !facts.available.contains(before.mode);
+        let kept =
+            Action::of(after.mode) >= Action::of(before.mode) || !facts.available.contains(before.mode);
         assert!(kept || facts.next.is_some(), "{}", what());
     }
     // Orders that were refused by themselves changed nothing.

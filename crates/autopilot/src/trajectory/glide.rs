@@ -59,7 +59,14 @@ impl Glide {
 
     /// The velocity that leads to `target` and comes to rest there: at most `speed` horizontally,
     /// `climb` up and `descend` down, m/s.
-    pub fn towards(&self, target: Vector3, limits: &GlideLimits, speed: f32, climb: f32, descend: f32) -> Vector3 {
+    pub fn towards(
+        &self,
+        target: Vector3,
+        limits: &GlideLimits,
+        speed: f32,
+        climb: f32,
+        descend: f32,
+    ) -> Vector3 {
         let way = target - self.position;
         let distance = sqrt(way.x * way.x + way.y * way.y);
         let flat = min(closing_speed(distance, limits.acceleration), speed);

@@ -1,14 +1,15 @@
 //! What a log says of an outer result: views for people, each a message of its own.
 
-use windhover_autopilot::{Imu, MotorCommand, OuterResult, Snapshot};
+use windhover_autopilot::{Imu, Mode, MotorCommand, OuterResult, Row, Snapshot};
 
 use super::{LONGEST, LoggerConfig, SLOW};
 use crate::record::{Topic, data};
 use crate::views::{
-    ActuatorMotors, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, SensorCombined,
-    TickCounts, VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition,
-    VehicleLocalPositionSetpoint, VehicleStatus,
+    ActuatorMotors, BatteryStatus, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal,
+    SensorCombined, TickCounts, VehicleAttitude, VehicleAttitudeSetpoint, VehicleLandDetected,
+    VehicleLocalPosition, VehicleLocalPositionSetpoint, VehicleStatus,
 };
+use crate::wire::{kind, message};
 
 /// What the logger knows and the views show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +33,7 @@ pub struct Reporter {
     steps: u32,
     phase: Option<(FlightPhase, bool)>,
     leg: Option<Leg>,
+    said: (Mode, Option<Row>),
     counts: TickCounts,
 }
 
@@ -49,6 +51,22 @@ impl<F: FnMut(&[u8])> Out<'_, F> {
             (self.push)(message);
         }
     }
+
+    /// A line of text at one of PX4's levels, in pieces.
+    fn text(&mut self, level: u8, pieces: &[&str]) {
+        let mut buffer = [0; LONGEST];
+        let time = self.time;
+        let length = message(&mut buffer, kind::TEXT, |out| {
+            out.bytes([level]);
+            out.bytes(time.to_le_bytes());
+            for piece in pieces {
+                out.slice(piece.as_bytes());
+            }
+        });
+        if let Some(message) = length.and_then(|length| buffer.get(..length)) {
+            (self.push)(message);
+        }
+    }
 }
 
 impl Reporter {
@@ -59,6 +77,7 @@ impl Reporter {
             steps: 0,
             phase: None,
             leg: None,
+            said: Default::default(),
             counts: TickCounts::default(),
         }
     }
@@ -134,19 +153,42 @@ impl Reporter {
         if due || self.phase != Some(phase) {
             self.phase = Some(phase);
             out.view(&phase.0);
-            out.view(&VehicleStatus::new(snapshot, result));
+            out.view(&VehicleStatus::new(result));
             out.view(&VehicleLandDetected::new(result));
         }
         if due {
             out.view(&self.counts);
             out.view(&EstimatorStatus::new(result));
+            if result.report.battery.voltage.is_some() {
+                out.view(&BatteryStatus::new(result));
+            }
         }
+        self.say(result, out);
         let leg = result.report.leg_end.map(|destination| Leg { destination });
         if leg.is_some() && leg != self.leg {
             self.leg = leg;
             if let Some(leg) = leg {
                 out.view(&leg);
             }
+        }
+    }
+
+    /// Names the mode and the failsafe that acts, when they have changed.
+    fn say<F: FnMut(&[u8])>(&mut self, result: &OuterResult, out: &mut Out<'_, F>) {
+        let report = &result.report;
+        let now = (report.mode, report.failsafe);
+        let before = core::mem::replace(&mut self.said, now);
+        if now.1 != before.1 {
+            match now.1 {
+                Some(row) => {
+                    let watched = row.watched();
+                    out.text(b'4', &["failsafe ", watched.name, ": ", watched.text]);
+                }
+                None => out.text(b'6', &["failsafe over"]),
+            }
+        }
+        if now.0 != before.0 {
+            out.text(b'6', &["mode ", now.0.name()]);
         }
     }
 }

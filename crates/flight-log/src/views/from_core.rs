@@ -1,26 +1,15 @@
 //! Views from what the core gave.
 
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::{Blocker, Known, MotorState, OuterResult, Phase, Refused, Snapshot, Stop, Urgent};
+use windhover_autopilot::{Known, Mode, MotorState, OuterResult, Refused, Snapshot, Stop, Urgent, Why};
 use windhover_math::Vector3;
 
 use super::{
-    Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, VehicleAttitude,
+    BatteryStatus, Disturbance, EstimatorStatus, FlightPhase, Leg, Mission, Refusal, VehicleAttitude,
     VehicleAttitudeSetpoint, VehicleLandDetected, VehicleLocalPosition, VehicleLocalPositionSetpoint,
     VehicleStatus, View,
 };
 use crate::inputs::FlatCommand;
-
-/// 0 disarmed, 1 armed, 2 mission, 3 offboard.
-pub const fn phase_code(phase: Phase) -> u8 {
-    match phase {
-        Phase::Disarmed => 0,
-        Phase::Armed => 1,
-        Phase::Mission => 2,
-        Phase::Offboard => 3,
-        Phase::Attitude => 4,
-    }
-}
 
 /// 0 disarmed, 1 idle, 2 run.
 pub const fn motor_state_code(state: MotorState) -> u8 {
@@ -40,14 +29,31 @@ pub const fn known_code(known: Known) -> u8 {
 }
 
 /// As in [`Refusal::reason`].
-pub const fn blocker_code(blocker: Blocker) -> u8 {
-    match blocker {
-        Blocker::NoEstimate => 1,
-        Blocker::NotArmed => 2,
-        Blocker::InFlight => 3,
-        Blocker::NoMission => 4,
-        Blocker::NoSetpoint => 5,
-        Blocker::Stopped => 6,
+pub const fn why_code(why: &Why) -> u8 {
+    match why {
+        Why::Blocked(_) => 1,
+        Why::InFlight => 2,
+        Why::OnGround => 3,
+        Why::Failsafe(_) => 4,
+        Why::Mission(..) => 5,
+        Why::Fence(..) => 6,
+        Why::NotANumber => 7,
+    }
+}
+
+/// PX4's `nav_state`.
+const fn nav_state(mode: Mode) -> u8 {
+    match mode {
+        Mode::Stabilize => 15,
+        Mode::Altitude => 1,
+        Mode::Position => 2,
+        Mode::Takeoff => 17,
+        Mode::Hold => 4,
+        Mode::Mission => 3,
+        Mode::Return => 5,
+        Mode::Land => 18,
+        Mode::Offboard => 14,
+        Mode::Descend => 12,
     }
 }
 
@@ -75,7 +81,7 @@ impl View {
             Self::VehicleLocalPositionSetpoint(_) => {
                 Self::VehicleLocalPositionSetpoint(VehicleLocalPositionSetpoint::new(result)?)
             }
-            Self::VehicleStatus(_) => Self::VehicleStatus(VehicleStatus::new(snapshot, result)),
+            Self::VehicleStatus(_) => Self::VehicleStatus(VehicleStatus::new(result)),
             Self::VehicleLandDetected(_) => Self::VehicleLandDetected(VehicleLandDetected::new(result)),
             Self::FlightPhase(_) => Self::FlightPhase(FlightPhase::new(snapshot, result)),
             Self::Leg(_) => Self::Leg(Leg {
@@ -83,6 +89,7 @@ impl View {
             }),
             Self::Disturbance(_) => Self::Disturbance(Disturbance::new(result)),
             Self::EstimatorStatus(_) => Self::EstimatorStatus(EstimatorStatus::new(result)),
+            Self::BatteryStatus(_) => Self::BatteryStatus(BatteryStatus::new(result)),
             _ => return None,
         })
     }
@@ -112,6 +119,20 @@ impl Disturbance {
         Self {
             acceleration: result.report.disturbance,
             thrust_scale: result.report.thrust_scale,
+        }
+    }
+}
+
+impl BatteryStatus {
+    /// From an outer result.
+    pub fn new(result: &OuterResult) -> Self {
+        let battery = &result.report.battery;
+        Self {
+            voltage_v: battery.voltage.unwrap_or_default(),
+            current_a: battery.current.unwrap_or_default(),
+            remaining: battery.remaining.unwrap_or(-1.0),
+            discharged_mah: battery.drawn / 3.6,
+            charge: battery.charge as u8,
         }
     }
 }
@@ -191,20 +212,16 @@ impl VehicleLocalPositionSetpoint {
 
 impl VehicleStatus {
     /// From an outer step.
-    pub fn new(snapshot: &Snapshot, result: &OuterResult) -> Self {
+    pub fn new(result: &OuterResult) -> Self {
         Self {
             arming_state: if result.motors == MotorState::Disarmed {
                 1
             } else {
                 2
             },
-            nav_state: match result.report.phase {
-                Phase::Mission => 3,
-                Phase::Disarmed | Phase::Armed => 4,
-                Phase::Offboard | Phase::Attitude => 14,
-            },
+            nav_state: nav_state(result.report.mode),
             vehicle_type: 1,
-            failsafe: snapshot.stopped == Some(Stop::ImuMissing),
+            failsafe: result.report.failsafe.is_some(),
         }
     }
 }
@@ -213,7 +230,11 @@ impl FlightPhase {
     /// From an outer step.
     pub fn new(snapshot: &Snapshot, result: &OuterResult) -> Self {
         Self {
-            phase: phase_code(result.report.phase),
+            phase: result.report.phase as u8,
+            mode: result.report.mode as u8,
+            failsafe: result.report.failsafe.map_or(0, |row| row as u8 + 1),
+            active: result.report.active.0,
+            blockers: result.report.blockers.0,
             motors: motor_state_code(result.motors),
             stop: match snapshot.stopped {
                 None => 0,
@@ -272,10 +293,19 @@ impl Mission {
 impl From<&Refused> for Refusal {
     fn from(refused: &Refused) -> Self {
         match refused {
-            Refused::Command(command, blocker) => Self {
+            Refused::Command(command, why) => Self {
                 kind: 0,
                 command: FlatCommand::from(*command).command,
-                reason: blocker_code(*blocker),
+                reason: why_code(why),
+                index: match why {
+                    Why::Mission(item, _) | Why::Fence(item, _) => *item,
+                    Why::Failsafe(row) => *row as u16,
+                    _ => 0,
+                },
+                blockers: match why {
+                    Why::Blocked(blockers) => blockers.0,
+                    _ => 0,
+                },
                 ..Self::default()
             },
             Refused::Parameter(write, refusal) => Self {

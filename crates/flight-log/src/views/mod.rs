@@ -11,7 +11,7 @@ use crate::record;
 use crate::record::{Description, Record, Topic};
 use crate::wire::Decoder;
 
-pub use from_core::{blocker_code, known_code, motor_state_code, phase_code, refusal_code};
+pub use from_core::{known_code, motor_state_code, refusal_code, why_code};
 
 /// Declares views: struct, number and name of the topic, fields.
 macro_rules! views {
@@ -150,11 +150,12 @@ views! {
     VehicleStatus = 38, "vehicle_status" {
         /// 1 disarmed, 2 armed.
         arming_state: u8,
-        /// 3 mission, 4 loiter (here: not flying), 14 offboard.
+        /// The mode: 1 altitude, 2 position, 3 mission, 4 hold, 5 return, 12 descend, 14 offboard,
+        /// 15 stabilize, 17 takeoff, 18 land.
         nav_state: u8,
         /// 1: rotary wing.
         vehicle_type: u8,
-        /// Whether the motors were stopped for a reason of the inner step's.
+        /// Whether a failsafe acts.
         failsafe: bool,
     }
     /// Whether the vehicle is on the ground.
@@ -164,8 +165,17 @@ views! {
     }
     /// The state in our numbers; on change and once a second.
     FlightPhase = 40, "phase" {
-        /// 0 disarmed, 1 armed, 2 mission, 3 offboard, 4 attitude from outside.
+        /// 0 disarmed, 1 armed, 2 flying, 3 landed.
         phase: u8,
+        /// As `Mode` counts them: 0 stabilize, 1 altitude, 2 position, 3 takeoff, 4 hold, 5 mission,
+        /// 6 return, 7 land, 8 offboard, 9 descend.
+        mode: u8,
+        /// The row of the failsafes' table that acts, from 1; 0 none.
+        failsafe: u8,
+        /// The rows whose condition has lasted, a bit each.
+        active: u32,
+        /// What speaks against arming, a bit each.
+        blockers: u32,
         /// 0 disarmed, 1 idle, 2 run.
         motors: u8,
         /// Why the inner step keeps the motors stopped: 0 it does not, 1 kill, 2 disarm, 3 no samples.
@@ -195,11 +205,13 @@ views! {
         kind: u8,
         /// Command: as in `input_command`.
         command: u8,
-        /// Command: 1 no estimate, 2 not armed, 3 in flight, 4 no mission, 5 no setpoint, 6 stopped.
-        /// Parameter: 1 unknown, 2 out of range, 3 inconsistent.
+        /// Command: 1 blockers, 2 in flight, 3 on the ground, 4 a failsafe, 5 an item of the mission, 6
+        /// one of the fence, 7 not a number. Parameter: 1 unknown, 2 out of range, 3 inconsistent.
         reason: u8,
-        /// Parameter: its index.
+        /// Parameter: its index. Command: the item, or the row of the failsafes' table.
         index: u16,
+        /// Command: what speaks against it, a bit each.
+        blockers: u32,
         /// Parameter: the value.
         value: f32,
     }
@@ -241,6 +253,19 @@ views! {
         imu_errors: u32,
         /// Bytes that waited for the log's port at most.
         log_waiting_max: u32,
+    }
+    /// The battery; once a second.
+    BatteryStatus = 48, "battery_status" {
+        /// V; 0 while the sensor is silent.
+        voltage_v: f32,
+        /// A.
+        current_a: f32,
+        /// Share that is left, 0 to 1; −1 while it is not known.
+        remaining: f32,
+        /// Charge drawn, mAh.
+        discharged_mah: f32,
+        /// 0 unknown, 1 enough, 2 low, 3 critical, 4 emergency.
+        charge: u8,
     }
     /// What the filter claims of itself; once a second.
     EstimatorStatus = 47, "estimator_state" {

@@ -1,0 +1,346 @@
+//! What the operator wants, and what speaks against it.
+
+use windhover_math::Vector3;
+use windhover_math::geodesy::LocalFrame;
+
+use super::Outer;
+use super::report::{Refused, Why};
+use crate::blocker::{Blocker, Blockers};
+use crate::inner::Snapshot;
+use crate::mission::action::{Altitude, Place};
+use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
+use crate::mode::{Mode, Target};
+use crate::queue::Command;
+use crate::supervisor::{Denied, Facts, Order, Phase, Row};
+use crate::watch::Needs;
+
+/// The item of a photo that no mission asked for.
+pub const NO_ITEM: u16 = u16::MAX;
+
+impl Outer {
+    /// Takes all commands of a snapshot, and what the remote control's switches say.
+    pub(super) fn commands<S: MissionSource + ?Sized>(
+        &mut self,
+        snapshot: &Snapshot,
+        source: &S,
+        facts: &Facts,
+        events: &mut MissionEvents,
+        refusals: &mut heapless::Vec<Refused, 8>,
+    ) {
+        let switches = self.switches;
+        let arm = match switches.arm {
+            Some(true) => Some(Command::Arm),
+            Some(false) => Some(Command::Disarm),
+            None => None,
+        };
+        let by_switch = [switches.mode.map(Command::Fly), arm];
+        let commands = by_switch.into_iter().flatten();
+        for command in commands.chain(snapshot.inputs.command.iter().copied()) {
+            if let Err(why) = self.command(&command, source, facts, events) {
+                let _ = refusals.push(Refused::Command(command, why));
+            }
+        }
+    }
+
+    fn command<S: MissionSource + ?Sized>(
+        &mut self,
+        command: &Command,
+        source: &S,
+        facts: &Facts,
+        events: &mut MissionEvents,
+    ) -> Result<(), Why> {
+        match command {
+            Command::Arm => self.arm(facts, false),
+            Command::ForceArm => self.arm(facts, true),
+            Command::Disarm => self.order(Order::Disarm, facts),
+            Command::Fly(Mode::Mission) => self.start_mission(None, source, facts),
+            Command::Fly(mode) => self.order(Order::Fly(*mode), facts),
+            Command::Takeoff(altitude, heading) => {
+                finite(altitude_of(*altitude).or(*heading))?;
+                self.order(Order::Fly(Mode::Takeoff), facts)?;
+                self.modes.takeoff = (*altitude, *heading);
+                Ok(())
+            }
+            Command::GoTo(target) => self.go_to(target, facts),
+            Command::StartMission(first) => self.start_mission(Some(*first), source, facts),
+            Command::SetSpeed(speed) => self.set_speed(*speed),
+            Command::SetHome(place) => self.set_home(place.as_ref()),
+            Command::LookAt(place) => self.look_at(place.as_ref()),
+            Command::TakePhoto => {
+                let _ = events.push(MissionEvent::Photo {
+                    item: NO_ITEM,
+                    target: None,
+                    settled: true,
+                });
+                Ok(())
+            }
+            Command::Commit(kind, commit) => self.commit(*kind, commit, source),
+        }
+    }
+
+    /// Hands an order to the supervisor.
+    fn order(&mut self, order: Order, facts: &Facts) -> Result<(), Why> {
+        let before = self.supervisor.mode();
+        let phase = self.supervisor.phase();
+        self.supervisor
+            .order(order, facts, &self.actions)
+            .map_err(|denied| self.why(denied))?;
+        if let Order::Fly(mode) = order {
+            self.modes.target = None;
+            if mode == before {
+                // Asked for again: from its beginning.
+                self.modes.reenter();
+            }
+            if phase == Phase::Landed {
+                self.stand();
+            }
+        }
+        Ok(())
+    }
+
+    fn why(&self, denied: Denied) -> Why {
+        match denied {
+            Denied::Stopped => Why::Blocked(Blockers::of(Blocker::Stopped)),
+            Denied::Blocked => Why::Blocked(self.blockers),
+            Denied::InFlight => Why::InFlight,
+            Denied::OnGround => Why::OnGround,
+            Denied::Unavailable(mode) => Why::Blocked(self.missing(mode)),
+            Denied::Failsafe(row) => Why::Failsafe(row),
+        }
+    }
+
+    /// Arms: home is here from now on.
+    fn arm(&mut self, facts: &Facts, force: bool) -> Result<(), Why> {
+        let was = self.supervisor.phase();
+        if was == Phase::Disarmed {
+            self.blockers = self.find_blockers(facts.stopped);
+        }
+        let blocked = !self.blockers.is_empty();
+        let order = if force {
+            Order::ForceArm
+        } else {
+            Order::Arm { blocked }
+        };
+        self.order(order, facts)?;
+        if was == Phase::Disarmed {
+            self.stand();
+            self.watch.restart();
+            if self.estimation.estimate().known.position && !self.home_is_set {
+                self.home = self.estimation.estimate().position;
+            }
+        }
+        Ok(())
+    }
+
+    /// The vehicle stands where it is, and a flight begins.
+    fn stand(&mut self) {
+        self.landing.stand(self.estimation.estimate().position.z);
+        self.estimation.forget_steps();
+        self.on_ground = 0.0;
+        self.modes.reenter();
+    }
+
+    fn go_to(&mut self, target: &Target, facts: &Facts) -> Result<(), Why> {
+        let Target {
+            altitude,
+            heading,
+            speed,
+            ..
+        } = target;
+        finite(altitude_of(*altitude))?;
+        finite(*heading)?;
+        finite(*speed)?;
+        if self.supervisor.phase() != Phase::Flying {
+            return Err(Why::OnGround);
+        }
+        if target.ground.is_some() && self.estimation.frame().is_none() {
+            return Err(Why::NotANumber);
+        }
+        self.order(Order::Fly(Mode::Hold), facts)?;
+        self.modes.target = Some(*target);
+        Ok(())
+    }
+
+    /// Starts the mission at an item, or goes on with it.
+    fn start_mission<S: MissionSource + ?Sized>(
+        &mut self,
+        first: Option<u16>,
+        source: &S,
+        facts: &Facts,
+    ) -> Result<(), Why> {
+        let begun = self.modes.mission().is_some();
+        if first.is_some() || !begun {
+            let first = first.unwrap_or(self.modes.first_item);
+            if self.plans.mission.is_some_and(|stored| first >= stored.count) {
+                return Err(Why::Blocked(Blockers::of(Blocker::NoMission)));
+            }
+            if let Some(frame) = self.estimation.frame() {
+                self.plans
+                    .check_mission(source, frame, self.home, &self.parameters)?;
+            }
+            self.order(Order::Fly(Mode::Mission), facts)?;
+            self.modes.first_item = first;
+            self.modes.forget_mission();
+            return Ok(());
+        }
+        self.order(Order::Fly(Mode::Mission), facts)
+    }
+
+    fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
+        finite(speed)?;
+        if let Some(mission) = self.modes.mission_mut() {
+            mission.set_speed(speed.filter(|speed| *speed > 0.0));
+        }
+        Ok(())
+    }
+
+    fn set_home(&mut self, place: Option<&Place>) -> Result<(), Why> {
+        let Some(frame) = self.estimation.frame() else {
+            return Err(Why::NotANumber);
+        };
+        self.home = match place {
+            Some(place) => local(place, frame, self.home)?,
+            None if self.estimation.estimate().known.position => self.estimation.estimate().position,
+            None => return Err(Why::NotANumber),
+        };
+        self.home_is_set = true;
+        Ok(())
+    }
+
+    fn look_at(&mut self, place: Option<&Place>) -> Result<(), Why> {
+        let Some(frame) = self.estimation.frame() else {
+            return Err(Why::NotANumber);
+        };
+        let place = place.map(|place| local(place, frame, self.home)).transpose()?;
+        if let Some(mission) = self.modes.mission_mut() {
+            mission.look_at(place);
+        }
+        Ok(())
+    }
+
+    fn commit<S: MissionSource + ?Sized>(
+        &mut self,
+        kind: PlanKind,
+        commit: &crate::queue::MissionCommit,
+        source: &S,
+    ) -> Result<(), Why> {
+        let flown = kind == PlanKind::Mission && self.modes.mission().is_some();
+        if flown && self.supervisor.phase() != Phase::Disarmed {
+            if self.supervisor.mode() == Mode::Mission {
+                return Err(Why::InFlight);
+            }
+            // What was interrupted is not there any more.
+            self.modes.forget_mission();
+        }
+        let frame = self.estimation.frame();
+        self.plans.commit(kind, commit, source, frame, &self.parameters)?;
+        if kind == PlanKind::Mission {
+            self.modes.first_item = 0;
+        }
+        Ok(())
+    }
+
+    /// What speaks against arming, all of it.
+    pub(super) fn find_blockers(&self, stopped: bool) -> Blockers {
+        let p = &self.parameters;
+        let estimate = self.estimation.estimate();
+        let mode = self.supervisor.mode();
+        let needs = self.needs(mode);
+        let on_sensors = self.estimation.is_on_sensors();
+        let uncalibrated = |id: f32| on_sensors && id < 0.5;
+        let cos_tilt = estimate.attitude.cos_tilt();
+        let active = self.watch.active();
+        let tilted = estimate.known.attitude && cos_tilt < windhover_math::cos(p.safety.arming_tilt);
+        let battery_low = self.battery.is_too_low_to_arm(&p.battery)
+            || self.battery.charge() >= crate::battery::Charge::Critical;
+        Blockers::default()
+            .with(Blocker::Stopped, stopped)
+            .with(Blocker::AttitudeUnknown, !estimate.known.attitude)
+            .with(Blocker::Tilted, tilted)
+            .with(Blocker::ImuUnreliable, active.contains(Row::ImuUnreliable))
+            .with(Blocker::GyroUncalibrated, uncalibrated(p.calibration.gyro_id))
+            .with(
+                Blocker::AccelerometerUncalibrated,
+                uncalibrated(p.calibration.accel_id),
+            )
+            .with(
+                Blocker::CompassUncalibrated,
+                needs.position && uncalibrated(p.calibration.compass_id),
+            )
+            .with(Blocker::CompassFault, needs.position && self.compass_lost())
+            .with(Blocker::BarometerFault, needs.height && self.barometer_lost())
+            .with(Blocker::BatteryLow, battery_low)
+            .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
+            .with(Blocker::RcLost, self.remote.is_lost())
+            .with(
+                Blocker::SticksUnsafe,
+                self.switches.refused || self.is_throttle_up(),
+            )
+            .with(Blocker::OutsideFence, self.breach)
+            .with(Blocker::FenceInvalid, self.plans.invalid)
+            .with(Blocker::StorageDamaged, self.storage_damaged)
+            .or(self.missing(mode))
+    }
+
+    /// A pilot's throttle that would lift the vehicle as soon as it is armed.
+    fn is_throttle_up(&self) -> bool {
+        let up = self.remote.sticks().is_some_and(|sticks| sticks.throttle > -0.8);
+        up && self.supervisor.mode().is_manual()
+    }
+
+    /// What a mode needs and has not.
+    fn missing(&self, mode: Mode) -> Blockers {
+        let needs = self.needs(mode);
+        let known = &self.estimation.estimate().known;
+        let position = self.is_position_known();
+        let setpoint = self.fresh_setpoint().is_none();
+        Blockers::default()
+            .with(Blocker::AttitudeUnknown, !known.attitude)
+            .with(Blocker::HeightUnknown, needs.height && !known.height)
+            .with(
+                Blocker::HeadingUnknown,
+                needs.position && known.attitude && !known.heading,
+            )
+            .with(Blocker::PositionUnknown, needs.position && !position)
+            .with(
+                Blocker::NoMission,
+                mode == Mode::Mission && self.plans.mission.is_none(),
+            )
+            .with(Blocker::NoSetpoint, mode == Mode::Offboard && setpoint)
+            .with(
+                Blocker::NoSticks,
+                matches!(mode, Mode::Stabilize | Mode::Position) && self.remote.sticks().is_none(),
+            )
+    }
+
+    /// What a mode relies on.
+    pub(super) fn needs(&self, mode: Mode) -> Needs {
+        let needs_position = !matches!(self.fresh_setpoint(), Some(crate::mode::Outside::Attitude(_)));
+        Needs::of(mode, needs_position)
+    }
+}
+
+fn altitude_of(altitude: Option<Altitude>) -> Option<f32> {
+    altitude.map(|altitude| match altitude {
+        Altitude::SeaLevel(metres) | Altitude::Home(metres) => metres,
+    })
+}
+
+/// What is given is a number.
+fn finite(value: Option<f32>) -> Result<(), Why> {
+    match value {
+        Some(value) if !value.is_finite() => Err(Why::NotANumber),
+        _ => Ok(()),
+    }
+}
+
+/// A place in the local frame, NED, m.
+fn local(place: &Place, frame: &LocalFrame, home: Vector3) -> Result<Vector3, Why> {
+    finite(altitude_of(Some(place.altitude)))?;
+    let ground = frame.to_local(place.ground(frame.origin()));
+    let down = match place.altitude {
+        Altitude::Home(height) => home.z - height,
+        Altitude::SeaLevel(_) => -place.altitude.above_home(frame.origin().altitude),
+    };
+    Ok(Vector3::new(ground.x, ground.y, down))
+}

@@ -1,0 +1,502 @@
+//! The outer step: from a snapshot to an attitude and a thrust, 250 times a second.
+//!
+//! It sees nothing but its snapshot and the stored plans, so that the same snapshots give the same
+//! results wherever and however slowly it runs. In this order: parameters; the estimate; what comes
+//! from pilots, setpoints, battery and stations; commands; what is watched; the supervisor, which
+//! decides phase and mode; the mode, to a demand; control, to attitude and thrust.
+
+mod command;
+mod control;
+mod plans;
+mod report;
+
+use heapless::Vec;
+use windhover_control::observer::{DisturbanceObserver, ThrustScale};
+use windhover_control::position::PositionController;
+use windhover_estimator::Sensor;
+use windhover_math::geodesy::LocalFrame;
+use windhover_math::{GRAVITY, Vector3, sqrt};
+
+use crate::battery::Battery;
+use crate::blocker::Blockers;
+use crate::estimation::{Estimate, Estimation, OuterConfig};
+use crate::inner::{InnerParameters, MotorState, Snapshot};
+use crate::landing::LandDetector;
+use crate::mission::{MissionEvent, MissionEvents, MissionSource};
+use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, Step, available};
+use crate::parameters::Parameters;
+use crate::queue::ParameterWrite;
+use crate::rc::{Events, Remote};
+use crate::schedule::OUTER_RATE;
+use crate::supervisor::{Actions, Facts, Phase, RowSet, Supervisor};
+use crate::watch::{Seen, Watch, is_position_known, time_to_return};
+
+pub use command::NO_ITEM;
+pub use plans::Plans;
+pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
+
+/// Of the time until a failsafe brakes: estimate, look, attitude, s.
+const REACTION: f32 = 0.5;
+
+/// Fence and range are looked at every so many looks of the watch.
+const SLOW: u8 = 5;
+
+/// The outer step with its memory.
+#[derive(Clone, Debug)]
+pub struct Outer {
+    parameters: Parameters,
+    inner: InnerParameters,
+    actions: Actions,
+    plans: Plans,
+    supervisor: Supervisor,
+    watch: Watch,
+    modes: Modes,
+    landing: LandDetector,
+    /// Home, NED, m from the origin.
+    home: Vector3,
+    /// Whether an operator has put it there.
+    home_is_set: bool,
+    /// How long an armed vehicle stands on the ground, s.
+    on_ground: f32,
+    /// What the mode gave at the last step.
+    next: Option<Mode>,
+    contact: bool,
+    blockers: Blockers,
+    remote: Remote,
+    switches: Events,
+    setpoints: Setpoints,
+    battery: Battery,
+    /// Time since a ground station was heard, µs.
+    station: Option<u32>,
+    breach: bool,
+    range_short: bool,
+    looks: u8,
+    storage_damaged: bool,
+    /// Cosine of the tilt that was demanded last.
+    cos_tilt: f32,
+    estimation: Estimation,
+    observer: DisturbanceObserver,
+    thrust_scale: ThrustScale,
+    position: PositionController,
+    time: Option<u64>,
+    inner_changed: bool,
+}
+
+impl Outer {
+    /// Disarmed, nothing known of where. `None` when the parameters describe no vehicle that flies.
+    pub fn new(parameters: Parameters, config: &OuterConfig) -> Option<Self> {
+        Some(Self {
+            inner: InnerParameters::new(&parameters)?,
+            actions: Actions::new(&parameters),
+            parameters,
+            plans: Plans::default(),
+            supervisor: Supervisor::default(),
+            watch: Watch::default(),
+            modes: Modes::default(),
+            landing: LandDetector::default(),
+            home: Vector3::zeros(),
+            home_is_set: false,
+            on_ground: 0.0,
+            next: None,
+            contact: false,
+            blockers: Blockers::default(),
+            remote: Remote::default(),
+            switches: Events::default(),
+            setpoints: Setpoints::default(),
+            battery: Battery::default(),
+            station: None,
+            breach: false,
+            range_short: false,
+            looks: 0,
+            storage_damaged: false,
+            cos_tilt: 1.0,
+            estimation: Estimation::new(config),
+            observer: DisturbanceObserver::default(),
+            thrust_scale: ThrustScale::default(),
+            position: PositionController::default(),
+            time: None,
+            inner_changed: false,
+        })
+    }
+
+    /// The same, with settings that were found damaged in storage: it says so, and does not arm.
+    #[must_use]
+    pub fn with_damaged_storage(mut self) -> Self {
+        self.storage_damaged = true;
+        self
+    }
+
+    /// The inner step's parameters as they are now.
+    pub fn inner_parameters(&self) -> InnerParameters {
+        self.inner
+    }
+
+    /// The parameter table as it is now.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// The estimate with all that it follows from.
+    pub fn estimation(&self) -> &Estimation {
+        &self.estimation
+    }
+
+    fn estimate(&self) -> &Estimate {
+        self.estimation.estimate()
+    }
+
+    /// One step on one snapshot.
+    #[inline]
+    pub fn step<S: MissionSource + ?Sized>(&mut self, snapshot: &Snapshot, source: &S) -> OuterResult {
+        let mut result = OuterResult::default();
+        self.step_into(snapshot, source, &mut result);
+        result
+    }
+
+    /// The same, for whoever has a place for the result: all of it is written anew. Moving a result
+    /// costs half as much as making it.
+    pub fn step_into<S: MissionSource + ?Sized>(
+        &mut self,
+        snapshot: &Snapshot,
+        source: &S,
+        result: &mut OuterResult,
+    ) {
+        let report = &mut result.report;
+        report.events.clear();
+        report.refusals.clear();
+        let dt = self.elapsed(snapshot.time);
+        for write in &snapshot.inputs.parameter {
+            self.write_parameter(write, &mut report.refusals);
+        }
+        let before = *self.estimate();
+        let landed = self.landing.is_landed();
+        self.estimation.step(&self.parameters, snapshot, dt, landed);
+        if let Some(frame) = self.estimation.frame() {
+            self.plans.compile(source, frame);
+        }
+        self.observe(&before, snapshot);
+        self.listen(snapshot, dt);
+        self.decide(snapshot, source, dt, result);
+        let step = self.fly(source, dt, &mut result.report.events);
+        self.next = step.next;
+        self.contact = step.contact;
+        result.setpoint = self.control(&step, snapshot, dt);
+        self.cos_tilt = result.setpoint.attitude.cos_tilt();
+        result.motors = self.motors(&step.demand);
+        result.tick = snapshot.tick;
+        self.tell(&step, result);
+    }
+
+    /// Time since the last snapshot, µs.
+    fn elapsed(&mut self, time: u64) -> u32 {
+        let nominal = 1_000_000 / OUTER_RATE;
+        let elapsed = self
+            .time
+            .map_or(nominal, |last| time.saturating_sub(last).min(1_000_000) as u32);
+        self.time = Some(time);
+        elapsed.max(nominal / 4)
+    }
+
+    fn write_parameter(&mut self, write: &ParameterWrite, refusals: &mut Vec<Refused, 8>) {
+        let old = self.parameters;
+        let outcome = self.parameters.set(usize::from(write.index), write.value);
+        let outcome = outcome.and_then(|()| {
+            InnerParameters::new(&self.parameters).ok_or(windhover_parameters::Refusal::Inconsistent)
+        });
+        match outcome {
+            Ok(inner) => {
+                self.position.retune(&old.position, &self.parameters.position);
+                self.inner_changed |= inner != self.inner;
+                self.inner = inner;
+                self.actions = Actions::new(&self.parameters);
+            }
+            Err(refusal) => {
+                self.parameters = old;
+                let _ = refusals.push(Refused::Parameter(*write, refusal));
+            }
+        }
+    }
+
+    /// Takes in what comes from pilots, setpoints, battery and stations.
+    fn listen(&mut self, snapshot: &Snapshot, dt: u32) {
+        let (inputs, p) = (&snapshot.inputs, &self.parameters);
+        let landed = self.landing.is_landed();
+        self.switches = self
+            .remote
+            .step(&inputs.rc, &inputs.sticks, &p.rc, &p.rc_calibration, landed, dt);
+        self.setpoints.take(inputs, dt);
+        self.battery.step(&inputs.battery, &p.battery, dt);
+        self.station = match self.station {
+            _ if !inputs.station.is_empty() => Some(0),
+            Some(age) => Some(age.saturating_add(dt)),
+            None => None,
+        };
+    }
+
+    /// The newest setpoint from outside, while it is fresh.
+    fn fresh_setpoint(&self) -> Option<&Outside> {
+        self.setpoints.fresh(self.parameters.safety.offboard_lost_time)
+    }
+
+    fn is_position_known(&self) -> bool {
+        is_position_known(self.estimate(), self.estimation.position_age(), &self.parameters)
+    }
+
+    fn compass_lost(&self) -> bool {
+        self.estimation.is_lost(Sensor::Compass)
+    }
+
+    fn barometer_lost(&self) -> bool {
+        self.estimation.is_lost(Sensor::Barometer)
+    }
+
+    /// What modes can rely on.
+    fn conditions(&self) -> Conditions {
+        let known = &self.estimate().known;
+        Conditions {
+            attitude: known.attitude,
+            height: known.height,
+            position: self.is_position_known(),
+            sticks: self.remote.sticks().is_some(),
+            mission: self.plans.mission.is_some(),
+            setpoint: self
+                .fresh_setpoint()
+                .map(|setpoint| !matches!(setpoint, Outside::Attitude(_))),
+        }
+    }
+
+    /// Commands, what is watched, and what the supervisor makes of it.
+    fn decide<S: MissionSource + ?Sized>(
+        &mut self,
+        snapshot: &Snapshot,
+        source: &S,
+        dt: u32,
+        result: &mut OuterResult,
+    ) {
+        let phase = self.supervisor.phase();
+        let armed = phase != Phase::Disarmed;
+        if armed {
+            let weight = self.weight();
+            self.landing.step(snapshot, self.estimation.estimate(), weight);
+        }
+        let seconds = dt as f32 * 1e-6;
+        self.on_ground = if armed && self.landing.is_landed() {
+            self.on_ground + seconds
+        } else {
+            0.0
+        };
+        let p = &self.parameters.safety;
+        let patience = if phase == Phase::Landed {
+            p.disarm_landed
+        } else {
+            p.disarm_ground
+        };
+        let rising = self.look(snapshot);
+        let facts = Facts {
+            stopped: snapshot.stopped.is_some() || self.switches.kill,
+            airborne: !self.landing.is_landed(),
+            disarm_due: self.on_ground > patience,
+            available: available(&self.conditions()),
+            next: self.next.take(),
+            active: Watch::with_stop(self.watch.active(), snapshot.stopped),
+            rising,
+        };
+        let report = &mut result.report;
+        self.commands(snapshot, source, &facts, &mut report.events, &mut report.refusals);
+        self.supervisor.step(&facts, &self.actions);
+        self.follow(phase, facts.stopped, &mut report.events);
+    }
+
+    /// What a change of phase brings along.
+    fn follow(&mut self, before: Phase, stopped: bool, events: &mut MissionEvents) {
+        let phase = self.supervisor.phase();
+        if before == Phase::Flying && phase == Phase::Landed {
+            self.on_ground = 0.0;
+            let _ = events.push(MissionEvent::Landed);
+        }
+        if phase == Phase::Disarmed {
+            if before != Phase::Disarmed {
+                self.modes.rest();
+            }
+            self.landing.stand(self.estimation.estimate().position.z);
+            if self.looks == 0 {
+                self.blockers = self.find_blockers(stopped);
+            }
+        }
+    }
+
+    /// Looks at what is watched, when it is time; the rows that have become active.
+    fn look(&mut self, snapshot: &Snapshot) -> RowSet {
+        if !self.watch.step(snapshot, self.cos_tilt) {
+            return RowSet::default();
+        }
+        self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
+        if self.looks == 0 {
+            self.look_around();
+        }
+        let interrupted = self.supervisor.interrupted();
+        let mode = interrupted.unwrap_or(self.supervisor.mode());
+        let needs = self.needs(mode);
+        let estimate = self.estimation.estimate();
+        let flies = self.supervisor.phase() == Phase::Flying;
+        let seen = Seen {
+            parameters: &self.parameters,
+            snapshot,
+            estimate,
+            position_age: self.estimation.position_age(),
+            compass_lost: self.compass_lost(),
+            barometer_lost: self.barometer_lost(),
+            mode,
+            needs,
+            height: self.home.z - estimate.position.z,
+            cos_tilt_wanted: self.cos_tilt,
+            charge: self.battery.charge(),
+            range_short: self.range_short && flies,
+            rc_lost: self.remote.is_lost(),
+            station_age: self.station.map(|age| age as f32 * 1e-6),
+            setpoint_fresh: self.fresh_setpoint().is_some(),
+            breach: self.breach,
+        };
+        self.watch.look(&seen)
+    }
+
+    /// What changes slowly: the fence, and whether the battery lasts to return.
+    fn look_around(&mut self) {
+        let p = &self.parameters;
+        let estimate = self.estimation.estimate();
+        let known = self.is_position_known() && self.estimation.frame().is_some();
+        let breach = self.plans.fence.watch(
+            &p.fence,
+            self.home,
+            estimate.position,
+            estimate.velocity,
+            p.manual.acceleration,
+            REACTION,
+        );
+        self.breach = known && breach.is_some();
+        let to = self.plans.rally.destination(estimate.position, self.home);
+        let (north, east) = (to.x - estimate.position.x, to.y - estimate.position.y);
+        let distance = sqrt(north * north + east * east);
+        let needed = time_to_return(distance, self.home.z - estimate.position.z, p);
+        let left = self.battery.seconds_left(p.battery.emergency);
+        self.range_short = left.is_some_and(|left| left < needed * p.safety.range_margin);
+    }
+
+    /// Weight as the thrust feels it, N.
+    fn weight(&self) -> f32 {
+        self.parameters.vehicle.mass * GRAVITY / self.thrust_scale.scale()
+    }
+
+    /// Lets the mode make its step.
+    fn fly<S: MissionSource + ?Sized>(&mut self, source: &S, dt: u32, events: &mut MissionEvents) -> Step {
+        let phase = self.supervisor.phase();
+        let spools = phase == Phase::Armed && self.on_ground < self.parameters.safety.spool_up;
+        if phase == Phase::Disarmed || spools {
+            return Step::rest();
+        }
+        let around = Around {
+            parameters: &self.parameters,
+            estimate: self.estimation.estimate(),
+            shift: self.estimation.handover().position,
+            thrust_scale: self.thrust_scale.scale(),
+            frame: self.estimation.frame(),
+            home: self.home,
+            rally: &self.plans.rally,
+            source,
+            stored: self.plans.mission,
+            landed: self.landing.is_landed(),
+            sticks: self.remote.sticks(),
+            setpoints: &self.setpoints,
+            dt,
+            seconds: dt as f32 * 1e-6,
+        };
+        self.modes.step(self.supervisor.mode(), &around, events)
+    }
+
+    fn motors(&self, demand: &Demand) -> MotorState {
+        match self.supervisor.phase() {
+            Phase::Disarmed => MotorState::Disarmed,
+            Phase::Flying => MotorState::Run,
+            Phase::Armed | Phase::Landed if *demand == Demand::Rest => MotorState::Idle,
+            Phase::Armed | Phase::Landed => MotorState::Run,
+        }
+    }
+
+    /// Tells the observer what was measured while the vehicle turned from the last attitude to
+    /// this one.
+    fn observe(&mut self, before: &Estimate, snapshot: &Snapshot) {
+        let increments = &snapshot.increments;
+        let grounded = self.landing.is_landed() || self.contact;
+        if grounded || !before.known.attitude || increments.duration <= 0.0 {
+            self.observer.reset();
+            return;
+        }
+        if increments.blind > 0 {
+            // Nothing is measured of the forces: the wind goes on as it did.
+            return;
+        }
+        let per_second = 1.0 / increments.duration;
+        let own = increments.velocity * per_second - before.accel_bias;
+        let force = before.attitude.rotate(own);
+        let down = (before.attitude.down_axis() + self.estimate().attitude.down_axis()) * 0.5;
+        let thrust = increments.thrust * per_second / self.parameters.vehicle.mass;
+        self.thrust_scale
+            .step(&self.parameters.observer, -own.z, thrust, increments.duration);
+        let thrust = down * (-thrust * self.thrust_scale.scale());
+        self.observer
+            .step(&self.parameters.observer, force, thrust, increments.duration);
+    }
+
+    /// Writes what follows from the state after the step.
+    fn tell(&mut self, step: &Step, result: &mut OuterResult) {
+        let estimate = self.estimation.estimate();
+        result.attitude = estimate.attitude;
+        result.gyro_bias = estimate.gyro_bias;
+        result.landed = self.landing.is_landed() || step.contact;
+        let report = &mut result.report;
+        report.phase = self.supervisor.phase();
+        report.mode = self.supervisor.mode();
+        report.failsafe = self.supervisor.acting();
+        report.active = self.watch.active();
+        report.blockers = self.blockers;
+        report.estimate = *estimate;
+        report.origin = self.estimation.frame().map(LocalFrame::origin);
+        report.home = self.home;
+        report.sensors = *self.estimation.sensors();
+        report.handover = *self.estimation.handover();
+        report.trajectory = match step.demand {
+            Demand::Follow(point) => Some(point),
+            _ => None,
+        };
+        report.leg_end = step.leg_end;
+        report.mission = self.mission_report();
+        report.battery = self.battery_report();
+        report.disturbance = self.observer.disturbance(&self.parameters.observer);
+        report.thrust_scale = self.thrust_scale.scale();
+        result.parameters = None;
+        if core::mem::take(&mut self.inner_changed) {
+            result.parameters = Some(self.inner);
+        }
+    }
+
+    fn mission_report(&self) -> MissionReport {
+        let flown = self.modes.mission();
+        MissionReport {
+            count: self.plans.mission.map_or(0, |stored| stored.count),
+            current: flown.map_or(self.modes.first_item, |mission| mission.current_item()),
+            begun: flown.is_some(),
+        }
+    }
+
+    fn battery_report(&self) -> BatteryReport {
+        let p = &self.parameters.battery;
+        BatteryReport {
+            voltage: self.battery.voltage(),
+            current: self.battery.current(),
+            remaining: self.battery.remaining(),
+            drawn: self.battery.drawn(),
+            charge: self.battery.charge(),
+            arming_voltage: p.cells * p.arm_voltage,
+        }
+    }
+}

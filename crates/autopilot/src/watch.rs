@@ -1,0 +1,271 @@
+//! What is wrong, and for how long: from what an outer step sees to the rows of the failsafes' table.
+//!
+//! [`Symptoms`] says which conditions hold now; [`Watch`] cuts time into "before" and "after" for
+//! each row, fifty times a second; the [supervisor](crate::supervisor) decides what follows.
+
+use windhover_math::{max, min};
+
+use crate::battery::Charge;
+use crate::estimation::Estimate;
+use crate::inner::{Snapshot, Stop};
+use crate::mode::Mode;
+use crate::parameters::Parameters;
+use crate::schedule::OUTER_RATE;
+use crate::supervisor::row::ROWS;
+use crate::supervisor::{Row, RowSet};
+
+/// Rows are looked at every so many outer steps.
+const EVERY: u8 = 5;
+
+/// Time between two looks, s.
+const PERIOD: f32 = EVERY as f32 / OUTER_RATE as f32;
+
+/// Time constant of the shares of bad samples and of saturated ticks, s.
+const SHARE_TIME: f32 = 1.0;
+/// Time constant of the tilt that wind takes, s.
+const TILT_TIME: f32 = 2.0;
+/// From such a share on inertial samples are not to be relied on.
+const BAD_SAMPLES: f32 = 0.2;
+/// From such a share of saturated ticks on a motor is at its limit.
+const SATURATED: f32 = 0.8;
+/// From such a share of the largest tilt on the wind takes all of it.
+const WINDY: f32 = 0.93;
+/// An interval between two outer steps that was longer was a silence, s.
+const SILENCE: f32 = 0.1;
+
+/// What an outer step sees, as far as it is watched.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// The parameter table.
+    pub parameters: &'a Parameters,
+    /// The snapshot.
+    pub snapshot: &'a Snapshot,
+    /// What is believed.
+    pub estimate: &'a Estimate,
+    /// Time since the position was measured, s; `None` when that never happened.
+    pub position_age: Option<f32>,
+    /// A compass that was heard of before is not any more.
+    pub compass_lost: bool,
+    /// A barometer that was heard of before is not any more.
+    pub barometer_lost: bool,
+    /// The mode that flies, or that a failsafe has interrupted.
+    pub mode: Mode,
+    /// Whether that mode needs a height, and a position.
+    pub needs: Needs,
+    /// Height above the place of arming, m.
+    pub height: f32,
+    /// Cosine of the tilt that control asked for last.
+    pub cos_tilt_wanted: f32,
+    /// The charge of the battery.
+    pub charge: Charge,
+    /// The battery does not last to return.
+    pub range_short: bool,
+    /// A remote control that was heard of before is not any more.
+    pub rc_lost: bool,
+    /// Time since a ground station was heard, s; `None` when none ever was.
+    pub station_age: Option<f32>,
+    /// Setpoints from outside are fresh.
+    pub setpoint_fresh: bool,
+    /// The fence is left, or cannot be kept any more.
+    pub breach: bool,
+}
+
+/// What a mode relies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The height.
+    pub height: bool,
+    /// The position.
+    pub position: bool,
+}
+
+impl Needs {
+    /// What a mode relies on; offboard, what its setpoints need.
+    pub fn of(mode: Mode, setpoint_needs_position: bool) -> Self {
+        let position = match mode {
+            Mode::Stabilize | Mode::Altitude | Mode::Descend => false,
+            Mode::Offboard => setpoint_needs_position,
+            _ => true,
+        };
+        Self {
+            height: position || mode == Mode::Altitude,
+            position,
+        }
+    }
+}
+
+/// Which conditions hold, with what needs a memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Symptoms {
+    /// Share of inertial samples that were missing, invalid or at the end of their range.
+    bad_samples: f32,
+    /// Share of ticks at which a motor was at its limit.
+    saturated: f32,
+    /// Cosine of the tilt that control asks for.
+    cos_tilt: f32,
+    was_silent: bool,
+}
+
+impl Default for Symptoms {
+    fn default() -> Self {
+        Self {
+            bad_samples: 0.0,
+            saturated: 0.0,
+            cos_tilt: 1.0,
+            was_silent: false,
+        }
+    }
+}
+
+impl Symptoms {
+    /// Takes in a step.
+    #[inline]
+    fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) {
+        let increments = &snapshot.increments;
+        let ticks = f32::from(increments.ticks.max(1));
+        let share = |time: f32| min(increments.duration / time, 1.0);
+        let bad = f32::from(increments.missing.max(increments.blind).max(increments.clipped));
+        self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
+        self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share(SHARE_TIME);
+        self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(TILT_TIME);
+        self.was_silent |= increments.duration > SILENCE;
+    }
+
+    /// The rows whose condition holds.
+    fn rows(&mut self, seen: &Seen<'_>) -> RowSet {
+        let p = &seen.parameters.safety;
+        let known = &seen.estimate.known;
+        let position = is_position_known(seen.estimate, seen.position_age, seen.parameters);
+        let tumbles = seen.estimate.attitude.cos_tilt() < windhover_math::cos(p.tumble_tilt);
+        let low = !known.height || seen.height < p.tumble_height;
+        let limit = windhover_math::cos(WINDY * seen.parameters.position.tilt_max);
+        let older = |age: Option<f32>, most: f32| age.is_some_and(|age| age > most);
+        let silent = core::mem::take(&mut self.was_silent);
+        RowSet::default()
+            .with(Row::TumbleLow, tumbles && low && known.attitude)
+            .with(Row::TumbleHigh, tumbles && !low && known.attitude)
+            .with(Row::AttitudeUnknown, !known.attitude)
+            .with(Row::HeightUnknown, !known.height && seen.needs.height)
+            .with(Row::PositionLost, !position && seen.needs.position)
+            .with(Row::PositionGone, !position && seen.needs.position)
+            .with(Row::GnssLost, older(seen.position_age, 0.5))
+            .with(Row::ImuUnreliable, self.bad_samples > BAD_SAMPLES)
+            .with(Row::BatteryEmergency, seen.charge >= Charge::Emergency)
+            .with(Row::BatteryCritical, seen.charge >= Charge::Critical)
+            .with(Row::BatteryLow, seen.charge >= Charge::Low)
+            .with(Row::RangeShort, seen.range_short)
+            .with(Row::MotorSaturated, self.saturated > SATURATED)
+            .with(Row::WindTooStrong, self.cos_tilt < limit && seen.needs.position)
+            .with(Row::RcLost, seen.rc_lost)
+            .with(Row::StationLost, older(seen.station_age, 1.5))
+            .with(Row::CompassFault, seen.compass_lost && seen.needs.position)
+            .with(Row::BarometerFault, seen.barometer_lost && seen.needs.height)
+            .with(Row::Fence, seen.breach)
+            .with(
+                Row::OffboardLost,
+                seen.mode == Mode::Offboard && !seen.setpoint_fresh,
+            )
+            .with(Row::OuterSilent, silent)
+    }
+}
+
+/// Whether a position can be relied on: as declared, and measured not too long ago.
+pub fn is_position_known(estimate: &Estimate, age: Option<f32>, parameters: &Parameters) -> bool {
+    let measured = age.is_none_or(|age| age <= parameters.safety.position_lost);
+    estimate.known.position && measured
+}
+
+/// The timers of the rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Watch {
+    symptoms: Symptoms,
+    /// For how long each condition has held, or has been gone, in looks.
+    held: [u16; ROWS],
+    /// The conditions that held at the last look.
+    last: RowSet,
+    active: RowSet,
+    steps: u8,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self {
+            symptoms: Symptoms::default(),
+            held: [0; ROWS],
+            last: RowSet::default(),
+            active: RowSet::default(),
+            steps: 0,
+        }
+    }
+}
+
+impl Watch {
+    /// The rows whose condition has lasted.
+    pub fn active(&self) -> RowSet {
+        self.active
+    }
+
+    /// Whether this step is one that looks at the rows.
+    #[inline]
+    pub fn step(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) -> bool {
+        self.symptoms.look(snapshot, cos_tilt_wanted);
+        self.steps = if self.steps >= EVERY - 1 {
+            0
+        } else {
+            self.steps + 1
+        };
+        self.steps == 0
+    }
+
+    /// Looks at the rows; those that have become active.
+    pub fn look(&mut self, seen: &Seen<'_>) -> RowSet {
+        let now = self.symptoms.rows(seen);
+        let before = self.active;
+        for (row, held) in Row::ALL.iter().zip(&mut self.held) {
+            let (is, was) = (now.contains(*row), self.last.contains(*row));
+            *held = if is == was { held.saturating_add(1) } else { 0 };
+            let watched = row.watched();
+            let active = self.active.contains(*row);
+            let time = if is {
+                (watched.after)(seen.parameters)
+            } else {
+                watched.clears
+            };
+            if is != active && f32::from(*held) * PERIOD >= time {
+                self.active = RowSet(self.active.0 ^ RowSet::of(*row).0);
+            }
+        }
+        self.last = now;
+        self.active.without(before)
+    }
+
+    /// The one row that does not wait for a look.
+    pub fn with_stop(active: RowSet, stopped: Option<Stop>) -> RowSet {
+        active.with(Row::ImuMissing, stopped == Some(Stop::ImuMissing))
+    }
+
+    /// Forgets what a flight has left: nothing is wrong yet with the next one.
+    pub fn restart(&mut self) {
+        *self = Self {
+            steps: self.steps,
+            ..Self::default()
+        };
+    }
+}
+
+/// Time to return and land from `distance` m away and `height` m above home, s, as the parameters
+/// fly it.
+pub fn time_to_return(distance: f32, height: f32, parameters: &Parameters) -> f32 {
+    let p = &parameters.mission;
+    let top = if distance < p.acceptance_radius {
+        height
+    } else {
+        max(height, p.return_altitude)
+    };
+    let climb = max(top - height, 0.0) / p.climb_speed;
+    let slow = min(top, parameters.manual.land_fast_height);
+    climb
+        + distance / p.cruise_speed
+        + max(top - slow, 0.0) / max(p.descend_speed, p.land_speed)
+        + slow / p.land_speed
+}
