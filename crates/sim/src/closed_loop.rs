@@ -1,6 +1,6 @@
 //! The core and the world, tick by tick: what the firmware does with interrupts and tasks.
 
-use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::{MissionItem, Plans};
 use windhover_autopilot::{
     ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer,
     OuterResult, ScheduleRecord, Snapshot, Urgent,
@@ -11,6 +11,28 @@ use windhover_model::random::Random;
 use windhover_model::{Truth, World};
 
 use crate::sensors::Sensing;
+
+/// What is stored on board.
+#[derive(Clone, Debug, Default)]
+pub struct Stored {
+    /// The mission.
+    pub mission: Vec<MissionItem>,
+    /// The fence.
+    pub fence: Vec<MissionItem>,
+    /// Rally points.
+    pub rally: Vec<MissionItem>,
+}
+
+impl Stored {
+    /// As the core reads it.
+    pub fn plans(&self) -> Plans<'_> {
+        Plans {
+            mission: &self.mission,
+            fence: &self.fence,
+            rally: &self.rally,
+        }
+    }
+}
 
 /// Ways in which a real board disturbs the schedule, drawn at random from a seed.
 #[derive(Clone, Debug)]
@@ -125,7 +147,7 @@ pub struct ClosedLoop {
     pub urgent: Option<Urgent>,
     inner: Inner,
     outer: Outer,
-    mission: Vec<MissionItem>,
+    stored: Stored,
     /// A result that is not ready yet, and how many boundaries it is still late.
     late: Option<(OuterResult, u32)>,
     disruption: Option<Disruption>,
@@ -141,12 +163,12 @@ pub struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    /// The core `outer` in `world`, which lies at `home`, with the mission that is stored on board.
+    /// The core `outer` in `world`, which lies at `home`, with the plans that are stored on board.
     pub fn new(
         world: World,
         config: InnerConfig,
         outer: Outer,
-        mission: Vec<MissionItem>,
+        stored: Stored,
         home: GlobalPosition,
     ) -> Self {
         Self {
@@ -155,7 +177,7 @@ impl ClosedLoop {
             urgent: None,
             inner: Inner::new(config, outer.inner_parameters()),
             outer,
-            mission,
+            stored,
             late: None,
             disruption: None,
             source: Source::Truth,
@@ -180,14 +202,22 @@ impl ClosedLoop {
         self
     }
 
-    /// The outer step, for its parameters.
+    /// The outer step, for its parameters and its state.
     pub fn outer(&self) -> &Outer {
         &self.outer
     }
 
-    /// The mission that is stored on board.
-    pub fn mission(&self) -> &[MissionItem] {
-        &self.mission
+    /// The sensors, if it flies on such.
+    pub fn sensing_mut(&mut self) -> Option<&mut Sensing> {
+        match &mut self.source {
+            Source::Sensors(sensing) => Some(sensing),
+            Source::Truth => None,
+        }
+    }
+
+    /// What is stored on board.
+    pub fn stored(&self) -> &Stored {
+        &self.stored
     }
 
     /// One tick: the core on a sample of the world, then the world under the core's command.
@@ -204,7 +234,7 @@ impl ClosedLoop {
         let output = self.inner.tick(&input, &mut self.mailboxes);
         recorder.tick(&truth, &input, output.motors, output.record);
         if let Some(snapshot) = &self.mailboxes.snapshot {
-            let result = self.outer.step(snapshot, self.mission.as_slice());
+            let result = self.outer.step(snapshot, &self.stored.plans());
             let result = self.mailboxes.result.insert(result);
             recorder.outer(&truth, snapshot, result);
             self.mailboxes.snapshot = None;

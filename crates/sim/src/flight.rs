@@ -1,27 +1,23 @@
 //! A whole mission: set up, flown to its end, summed up in figures.
 
-use windhover_autopilot::mission::route::Stored;
-use windhover_autopilot::mission::{MissionEvent, Refusal, check};
+use windhover_autopilot::fence::{self, Fence, FenceRefusal, Rally};
+use windhover_autopilot::mission::nav::Chart;
+use windhover_autopilot::mission::{MissionEvent, PlanKind, Refusal, check, route};
 use windhover_autopilot::{
-    Command, InnerConfig, InnerInput, MissionCommit, MotorCommand, Outer, OuterConfig, OuterResult,
-    ParameterWrite, Parameters, Preset, Refused, ScheduleRecord, Snapshot,
+    Command, InnerConfig, InnerInput, MissionCommit, Mode, MotorCommand, Outer, OuterConfig, OuterResult,
+    ParameterWrite, Parameters, Phase, Preset, Refused, Row, ScheduleRecord, Snapshot,
 };
 use windhover_math::Vector3;
-use windhover_math::geodesy::GlobalPosition;
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_model::{Conditions, Integrator, ModelKind, Truth, Vehicle, World};
 
 use crate::beliefs::BeliefErrors;
 use crate::closed_loop::{ClosedLoop, Disruption, Recorder};
 use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_polyline};
 use crate::mission_file::MissionFile;
+use crate::operator::Operator;
 use crate::report::Event;
 use crate::sensors::{EarthField, Sensing, Sensors, compass_fitting};
-
-/// Below this height a vehicle has not left the ground, m.
-const ON_GROUND: f64 = 0.02;
-
-/// A vehicle that tries for so long and does not leave the ground is too heavy, s.
-const TRIES: f64 = 30.0;
 
 /// A vehicle that does not know where it is after so long is not waited for, s.
 const PATIENCE: f64 = 60.0;
@@ -83,6 +79,9 @@ impl Setup {
     pub fn parameters(&self) -> Result<Parameters, SetupError> {
         let mut parameters = Parameters::default();
         self.preset.apply(&mut parameters);
+        // What the sensors are calibrated against is fitted at the factory, so to speak.
+        let calibration = &mut parameters.calibration;
+        (calibration.gyro_id, calibration.accel_id, calibration.compass_id) = (1.0, 1.0, 1.0);
         for (name, &value) in &self.vehicle.parameters {
             let refuse = |refusal| SetupError::Parameter {
                 name: name.clone(),
@@ -145,6 +144,12 @@ pub enum SetupError {
         /// What is wrong.
         refusal: Refusal,
     },
+    /// The fence is not one that is kept: its item, from 1.
+    #[error("geofence, item {0}: {1}")]
+    Fence(usize, FenceRefusal),
+    /// The rally points are none: which, from 1.
+    #[error("rally point {0}: {1}")]
+    Rally(usize, FenceRefusal),
 }
 
 /// A flight that has been flown.
@@ -180,22 +185,31 @@ pub fn home(mission: &MissionFile) -> GlobalPosition {
     })
 }
 
-/// Whether the core flies this mission.
+/// Whether the core flies this mission, and its fence and rally points are such.
 pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(), SetupError> {
-    let stored = Stored {
-        slot: 0,
-        count: mission.items.len() as u16,
-    };
-    check(
-        mission.items.as_slice(),
-        stored,
-        Some(home(mission)),
-        &parameters.mission,
-    )
-    .map_err(|(index, refusal)| SetupError::Mission {
+    let (stored, home) = (mission.stored(), home(mission));
+    let (source, frame) = (stored.plans(), LocalFrame::new(home));
+    let refused = |(index, refusal)| SetupError::Mission {
         item: mission.describe(usize::from(index)),
         refusal,
-    })
+    };
+    let plan = route::Stored {
+        slot: 0,
+        count: stored.mission.len() as u16,
+    };
+    check(&source, plan, Some(home), &parameters.mission).map_err(refused)?;
+    let of_fence = |(index, refusal)| SetupError::Fence(usize::from(index) + 1, refusal);
+    let of_rally = |(index, refusal)| SetupError::Rally(usize::from(index) + 1, refusal);
+    let fence = Fence::compile(&source, 0, stored.fence.len() as u16, &frame).map_err(of_fence)?;
+    let rally = Rally::compile(&source, 0, stored.rally.len() as u16, &frame).map_err(of_rally)?;
+    let chart = Chart {
+        source: &source,
+        stored: plan,
+        frame: &frame,
+        home: Vector3::zeros(),
+        parameters: &parameters.mission,
+    };
+    fence::check_mission(&chart, &fence, &rally, &parameters.fence).map_err(refused)
 }
 
 /// A mission about to be flown.
@@ -207,7 +221,7 @@ pub fn closed_loop(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, S
         setup.world(),
         setup.inner_config(),
         outer,
-        mission.items.clone(),
+        mission.stored(),
         home,
     );
     if let Some(sensors) = &setup.sensors {
@@ -229,7 +243,7 @@ pub fn fly<R: Recorder>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Flight, SetupError> {
     let mut flown = ready(setup, mission)?;
-    let mut starter = Starter::new(setup);
+    let mut operator = Operator::new(setup.sensors.is_some());
     let mut watch = Watch::new(mission.items.len(), setup, home(mission));
     let rate = f64::from(setup.imu_rate);
     let mut writes = setup.writes.iter().peekable();
@@ -239,91 +253,76 @@ pub fn fly<R: Recorder>(
         while let Some((_, write)) = writes.next_if(|(at, _)| *at <= time) {
             flown.mailboxes.queues.parameter.push(*write);
         }
-        starter.step(&mut flown, time);
+        operator.step(&mut flown, time);
         flown.tick(&mut (&mut watch, &mut *recorder));
         tick += 1;
         if tick.is_multiple_of(u64::from(setup.imu_rate)) {
             progress(watch.progress());
         }
-        if let Some(ended) = end(&flown.world, &watch, time) {
+        if let Some(ended) = end(&flown.world, flown.outer(), &watch, time) {
             break ended;
         }
     };
     Ok(watch.finish(ended, &flown.world, setup))
 }
 
-/// Gives the word to arm and to start when the vehicle knows where it is.
-struct Starter {
-    waits: bool,
-    known_since: Option<f64>,
-}
-
-/// The position must have been known for so long, s.
-const SETTLED: f64 = 2.0;
-
-impl Starter {
-    fn new(setup: &Setup) -> Self {
-        Self {
-            waits: setup.sensors.is_some(),
-            known_since: None,
-        }
-    }
-
-    #[inline]
-    fn step(&mut self, flown: &mut ClosedLoop, time: f64) {
-        if !self.waits {
-            return;
-        }
-        if !flown.outer().estimation().estimate().known.position {
-            self.known_since = None;
-        } else if time - *self.known_since.get_or_insert(time) >= SETTLED {
-            self.waits = false;
-            for command in [Command::Arm, Command::StartMission] {
-                flown.mailboxes.queues.command.push(command);
-            }
-        }
-    }
-}
-
-/// A mission about to start: stored, and where the core is told the truth, armed and begun with
-/// the first tick.
+/// A vehicle whose plans are committed with the first tick: whoever gives commands may begin.
 pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
     let mut flown = closed_loop(setup, mission)?;
-    let commit = MissionCommit {
-        slot: 0,
-        count: mission.items.len() as u16,
-        crc: windhover_flight_log::mission_crc(mission.items.iter().copied()),
-    };
-    let commands = &mut flown.mailboxes.queues.command;
-    commands.push(Command::CommitMission(commit));
-    if setup.sensors.is_none() {
-        commands.push(Command::Arm);
-        commands.push(Command::StartMission);
+    let plans = [
+        (PlanKind::Mission, &mission.items),
+        (PlanKind::Fence, &mission.fence),
+        (PlanKind::Rally, &mission.rally),
+    ];
+    for (kind, items) in plans {
+        if !items.is_empty() {
+            let commit = MissionCommit {
+                slot: 0,
+                count: items.len() as u16,
+                crc: windhover_flight_log::mission_crc(items.iter().copied()),
+            };
+            flown
+                .mailboxes
+                .queues
+                .command
+                .push(Command::Commit(kind, commit));
+        }
     }
     Ok(flown)
 }
 
 /// Whether the mission was flown to its end, and how it ended.
-fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
+fn end(world: &World, outer: &Outer, watch: &Watch, time: f64) -> Option<(bool, String)> {
     if let Some(crash) = world.crash() {
         Some((false, crash.to_string()))
     } else if let Some(divergence) = world.diverged() {
         Some((false, divergence.to_string()))
     } else if let Some(refused) = &watch.refused {
         Some((false, format!("refused at {time:.3} s: {refused}")))
-    } else if watch.finished {
-        Some((true, format!("mission completed at {time:.1} s")))
+    } else if let Some(reason) = watch.disarmed {
+        let text = match reason {
+            _ if watch.finished => format!("mission completed, landed at {time:.1} s"),
+            Some(row) => format!("disarmed at {time:.1} s: {}", row.watched().text),
+            None if watch.was_airborne => format!("landed at {time:.1} s before the mission was completed"),
+            None => format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground"),
+        };
+        Some((watch.finished, text))
     } else if !watch.has_started() && time >= PATIENCE {
-        let text = format!("given up at {time:.1} s: the vehicle does not know where it is");
-        Some((false, text))
-    } else if watch.tries_for(time) >= TRIES {
-        let text = format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground");
-        Some((false, text))
+        Some((false, format!("given up at {time:.1} s: {}", blockers(outer))))
     } else if time >= TIME_LIMIT {
         Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
     } else {
         None
     }
+}
+
+/// What speaks against arming, in words.
+fn blockers(outer: &Outer) -> String {
+    let words: Vec<&str> = outer.blockers().iter().map(|blocker| blocker.text()).collect();
+    if words.is_empty() {
+        return "the vehicle does not know where it is".into();
+    }
+    words.join("; ")
 }
 
 /// Sums a flight up while it is flown.
@@ -332,8 +331,11 @@ struct Watch {
     items: usize,
     item: usize,
     hash: MotorHash,
-    /// Since when control has run on the ground, s.
-    trying_since: Option<f64>,
+    /// The vehicle has been armed and is not any more; by which failsafe.
+    disarmed: Option<Option<Row>>,
+    was_armed: bool,
+    was_airborne: bool,
+    said: (Mode, Option<Row>),
     started: Option<f64>,
     finished: bool,
     refused: Option<String>,
@@ -352,13 +354,8 @@ struct Watch {
 
 impl Recorder for Watch {
     #[inline]
-    fn tick(&mut self, truth: &Truth, _: &InnerInput, motors: MotorCommand, _: Option<ScheduleRecord>) {
+    fn tick(&mut self, _: &Truth, _: &InnerInput, motors: MotorCommand, _: Option<ScheduleRecord>) {
         self.hash.add(motors);
-        if matches!(motors, MotorCommand::Run(_)) && -truth.position.z < ON_GROUND {
-            self.trying_since.get_or_insert(truth.time);
-        } else {
-            self.trying_since = None;
-        }
     }
 
     fn outer(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
@@ -366,8 +363,14 @@ impl Recorder for Watch {
         for refused in &result.report.refusals {
             self.refuse(refused);
         }
+        self.follow_phase(truth, result);
         self.beliefs.look(truth, snapshot, result);
-        let Some(setpoint) = result.report.trajectory else {
+        for event in &result.report.events {
+            let wanted = result.report.trajectory.map_or(truth.position, |point| point.position.map(f64::from));
+            self.event(event, truth, wanted);
+        }
+        // On the ground the setpoint goes on down.
+        let Some(setpoint) = result.report.trajectory.filter(|_| !result.landed || !self.was_airborne) else {
             return;
         };
         self.beliefs.add(truth, result);
@@ -381,9 +384,6 @@ impl Recorder for Watch {
         self.errors.add(truth.position - wanted);
         self.cos_tilt_min = windhover_math::min(self.cos_tilt_min, truth.attitude.cos_tilt());
         self.follow(result.report.leg_end);
-        for event in &result.report.events {
-            self.event(event, truth, wanted);
-        }
         if truth.time >= self.next_sample {
             self.next_sample = truth.time + SAMPLE_PERIOD - 1e-6;
             self.positions.push(truth.position);
@@ -398,7 +398,10 @@ impl Watch {
             items,
             item: 0,
             hash: MotorHash::default(),
-            trying_since: None,
+            disarmed: None,
+            was_armed: false,
+            was_airborne: false,
+            said: Default::default(),
             started: None,
             finished: false,
             refused: None,
@@ -420,8 +423,29 @@ impl Watch {
         self.started.is_some()
     }
 
-    fn tries_for(&self, time: f64) -> f64 {
-        self.trying_since.map_or(0.0, |since| time - since)
+    /// Notes changes of mode and failsafes, and the end of the flight.
+    fn follow_phase(&mut self, truth: &Truth, result: &OuterResult) {
+        let report = &result.report;
+        let phase = report.phase;
+        self.was_airborne |= phase == Phase::Flying;
+        if phase == Phase::Disarmed {
+            if self.was_armed {
+                self.disarmed.get_or_insert(report.failsafe);
+            }
+            return;
+        }
+        self.was_armed = true;
+        let before = core::mem::replace(&mut self.said, (report.mode, report.failsafe));
+        if report.failsafe != before.1 {
+            let text = match report.failsafe {
+                Some(row) => format!("failsafe {}: {}", row.watched().name, row.watched().text),
+                None => "failsafe over".to_owned(),
+            };
+            self.note(truth, text);
+        }
+        if report.mode != before.0 {
+            self.note(truth, format!("mode {}", report.mode.name()));
+        }
     }
 
     fn progress(&self) -> f64 {
@@ -430,7 +454,7 @@ impl Watch {
 
     fn refuse(&mut self, refused: &Refused) {
         match refused {
-            Refused::Command(command, blocker) => self.refused = Some(format!("{command:?}, {blocker:?}")),
+            Refused::Command(command, why) => self.refused = Some(format!("{command:?}: {why}")),
             Refused::Parameter(write, refusal) => self.events.push(Event {
                 time: self.time as f32,
                 text: format!("parameter {} = {} refused: {refusal}", write.index, write.value),

@@ -4,7 +4,7 @@
 //! only it knows: the truth at the times of the views, the conditions of the flight before the
 //! first tick, and its figures after the last. [`crate::flight_report`] reads them back.
 
-use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::{MissionItem, MissionSource};
 use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Parameters, ScheduleRecord, Snapshot};
 use windhover_flight_log::views::Truth as LoggedTruth;
 use windhover_flight_log::{
@@ -13,7 +13,7 @@ use windhover_flight_log::{
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::Truth;
 
-use crate::closed_loop::Recorder;
+use crate::closed_loop::{Recorder, Stored};
 use crate::flight::Setup;
 use crate::report::{Event, Figure};
 
@@ -41,7 +41,7 @@ impl FlightLog {
         setup: &Setup,
         parameters: &Parameters,
         home: GlobalPosition,
-        mission: &[MissionItem],
+        stored: &Stored,
         conditions: &[(String, String)],
     ) -> Self {
         let config = LoggerConfig::new(setup.inner_config(), parameters);
@@ -54,11 +54,16 @@ impl FlightLog {
             .iter()
             .map(|(name, text)| (name.as_str(), InfoValue::Text(text)))
             .collect();
-        let plans = [Plan {
-            kind: PlanKind::Mission,
+        let plan = |kind, items: &[MissionItem]| Plan {
+            kind,
             slot: 0,
-            count: mission.len() as u16,
-        }];
+            count: items.len() as u16,
+        };
+        let plans = [
+            plan(PlanKind::Mission, &stored.mission),
+            plan(PlanKind::Fence, &stored.fence),
+            plan(PlanKind::Rally, &stored.rally),
+        ];
         let header = Header {
             time: 0,
             commit: version::COMMIT,
@@ -68,11 +73,11 @@ impl FlightLog {
             parameters,
             outer: setup.outer_config(home),
             reset_cause: "start",
-            mission_crc: mission_crc(mission.iter().copied()),
+            mission_crc: mission_crc(stored.mission.iter().copied()),
             plans: &plans,
             more: &more,
         };
-        let bytes = header_bytes(header, mission);
+        let bytes = header_bytes(header, stored);
         Self {
             logger: Box::new(Logger::new(config)),
             header: bytes.len(),
@@ -161,8 +166,9 @@ pub fn parts(line: &str) -> impl Iterator<Item = &str> {
     line.split(SEPARATOR)
 }
 
-fn header_bytes(header: Header<'_>, mission: &[MissionItem]) -> Vec<u8> {
-    let item = |_: PlanKind, _: u8, index: u16| mission.get(usize::from(index)).copied();
+fn header_bytes(header: Header<'_>, stored: &Stored) -> Vec<u8> {
+    let plans = stored.plans();
+    let item = |kind: PlanKind, slot: u8, index: u16| plans.item(kind, slot, index);
     let mut writer = HeaderWriter::new(header, item);
     let mut bytes = Vec::new();
     while let Some(chunk) = writer.chunk() {

@@ -1,12 +1,12 @@
 //! A figure of eight in the air, as peers fly it: how well a moving setpoint is followed.
 
-use windhover_autopilot::{Command, InnerInput, MotorCommand, OuterResult, ScheduleRecord, Snapshot};
+use windhover_autopilot::{Command, InnerInput, Mode, MotorCommand, OuterResult, ScheduleRecord, Snapshot};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::{Conditions, Truth};
 
-use crate::closed_loop::{ClosedLoop, Recorder};
+use crate::closed_loop::{ClosedLoop, Recorder, Stored};
 use crate::figures::ErrorSum;
 use crate::flight::{Setup, SetupError};
 
@@ -81,7 +81,7 @@ impl Lemniscate {
             setup.world(),
             setup.inner_config(),
             outer,
-            Vec::new(),
+            Stored::default(),
             GlobalPosition::default(),
         );
         let mut error = Error {
@@ -101,7 +101,7 @@ impl Lemniscate {
             }
             match tick {
                 0 => flown.mailboxes.queues.command.push(Command::Arm),
-                100 => flown.mailboxes.queues.command.push(Command::StartOffboard),
+                100 => flown.mailboxes.queues.command.push(Command::Fly(Mode::Offboard)),
                 _ => {}
             }
             flown.tick(&mut error);

@@ -17,6 +17,7 @@ pub mod flight_log;
 pub mod flight_report;
 pub mod lemniscate;
 pub mod mission_file;
+pub mod operator;
 pub mod recording;
 pub mod replay;
 pub mod report;

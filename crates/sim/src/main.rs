@@ -49,7 +49,7 @@ fn run(fly: &Fly) -> Result<bool, String> {
         setup,
         loaded.outer().parameters(),
         flight::home(mission),
-        &mission.items,
+        &mission.stored(),
         &output::conditions(&request),
     );
     let quiet = fly.json || !std::io::stderr().is_terminal();

@@ -92,6 +92,13 @@ pub struct Fly {
     /// `windhover faults` lists the names
     #[arg(long, value_name = "NAME@T[,FOR]", conflicts_with = "truth")]
     fault: Vec<SensorFault>,
+    /// A pilot holds a remote control, sticks at rest: from then on its loss is a failsafe
+    /// (`--fault rc-dropout@60`)
+    #[arg(long, conflicts_with = "truth")]
+    rc: bool,
+    /// Charge of the battery at the start in percent [default: 100]
+    #[arg(long, value_name = "PERCENT", conflicts_with = "truth")]
+    battery: Option<f64>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     seed: u64,
@@ -273,7 +280,9 @@ impl Request {
     /// One line for the user that names the file that is at fault.
     pub fn explain(&self, error: &SetupError) -> String {
         match error {
-            SetupError::Mission { .. } => format!("{}: {error}", self.mission_name.display()),
+            SetupError::Mission { .. } | SetupError::Fence(..) | SetupError::Rally(..) => {
+                format!("{}: {error}", self.mission_name.display())
+            }
             SetupError::Parameter { .. } | SetupError::Vehicle => format!("{}: {error}", self.vehicle_name),
         }
     }
@@ -328,6 +337,8 @@ impl Fly {
             },
             faults: self.fault.clone(),
             errors: None,
+            remote: self.rc,
+            charge: self.battery.map(|percent| percent * 0.01),
         }))
     }
 

@@ -1,13 +1,12 @@
 //! A flight's record in memory, and its replay: the same inputs give the same motor commands.
 
-use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{
     Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer, OuterInputs, OuterResult, ScheduleRecord,
     Snapshot,
 };
 use windhover_model::Truth;
 
-use crate::closed_loop::Recorder;
+use crate::closed_loop::{Recorder, Stored};
 
 /// Everything that the core consumed, and what it commanded.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +57,7 @@ impl Recording {
         &self,
         config: InnerConfig,
         mut outer: Outer,
-        mission: &[MissionItem],
+        stored: &Stored,
     ) -> Result<(), Difference> {
         let mut inner = Inner::new(config, outer.inner_parameters());
         let mut mailboxes = Mailboxes::default();
@@ -85,7 +84,7 @@ impl Recording {
                 });
             }
             if let Some(snapshot) = mailboxes.snapshot.take() {
-                result = Some(outer.step(&snapshot, mission));
+                result = Some(outer.step(&snapshot, &stored.plans()));
             }
         }
         Ok(())

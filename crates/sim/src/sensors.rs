@@ -1,7 +1,10 @@
 //! The sensors of a simulated vehicle, and what a driver makes of their registers.
 
+use windhover_autopilot::battery::BatterySample;
 use windhover_autopilot::sensing::BoardRotation;
-use windhover_autopilot::{BarometerSample, CompassFitting, CompassSample, GnssSample, ImuCounts, Queues};
+use windhover_autopilot::{
+    BarometerSample, CompassFitting, CompassSample, GnssSample, ImuCounts, Queues, RcFrame,
+};
 use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::sensor::compass::earth_field;
@@ -37,7 +40,17 @@ pub struct Sensors {
     pub faults: Vec<SensorFault>,
     /// Errors other than the reference conditions'; the receiver's are then in here too.
     pub errors: Option<SensorErrors>,
+    /// A remote control is switched on, its sticks at rest and its throttle low.
+    pub remote: bool,
+    /// Charge of the battery at the start, 0 to 1; `None` is full.
+    pub charge: Option<f64>,
 }
+
+/// Sticks at rest with the throttle low, switches off, the mode switch at a position that selects
+/// nothing (second of six).
+pub const RESTING: [f64; 16] = [
+    0.0, 0.0, -1.0, 0.0, -1.0, -0.5, -1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+];
 
 /// The Earth's magnetic field at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +88,7 @@ impl EarthField {
 #[derive(Clone, Debug)]
 pub struct Sensing {
     suite: SensorSuite,
+    remote: bool,
 }
 
 impl Sensing {
@@ -94,6 +108,9 @@ impl Sensing {
         if let Some(earth) = EarthField::at(home) {
             fitting.field = earth.field;
         }
+        if let Some(charge) = sensors.charge {
+            fitting.pack.charge = charge;
+        }
         let reference = SensorErrors {
             gnss: match sensors.receiver {
                 Receiver::Standard => GnssErrors::standard(),
@@ -101,14 +118,22 @@ impl Sensing {
             },
             ..SensorErrors::reference(f64::from(imu_rate), vehicle.plant.hover_speed())
         };
+        let mut suite = SensorSuite::new(
+            &fitting,
+            sensors.errors.as_ref().unwrap_or(&reference),
+            &sensors.faults,
+            seed,
+        );
+        suite.set_sticks(RESTING);
         Self {
-            suite: SensorSuite::new(
-                &fitting,
-                sensors.errors.as_ref().unwrap_or(&reference),
-                &sensors.faults,
-                seed,
-            ),
+            suite,
+            remote: sensors.remote,
         }
+    }
+
+    /// Moves the pilot's sticks and switches, −1 to 1.
+    pub fn set_sticks(&mut self, sticks: [f64; 16]) {
+        self.suite.set_sticks(sticks);
     }
 
     /// What comes in at `time` µs: the inertial sample, and the rest into the queues.
@@ -118,7 +143,8 @@ impl Sensing {
             barometer,
             compass,
             gnss,
-            ..
+            battery,
+            rc,
         } = self.suite.advance(truth, time);
         if let Some(counts) = barometer {
             let formula = self.suite.formula();
@@ -132,6 +158,18 @@ impl Sensing {
         }
         if let Some(message) = gnss {
             queues.gnss.push(gnss_sample(&message, time));
+        }
+        if let Some(counts) = battery {
+            queues.battery.push(BatterySample {
+                time,
+                voltage: counts.voltage,
+                current: counts.current,
+            });
+        }
+        if let Some(frame) = rc.filter(|_| self.remote) {
+            queues.rc.push(RcFrame {
+                channels: frame.map(pulse),
+            });
         }
         imu.map(|imu| ImuCounts {
             accel: imu.accel,
@@ -147,6 +185,11 @@ pub fn compass_fitting() -> CompassFitting {
         per_count: (1.0 / part.scale()) as f32,
         rotation: BoardRotation([[1, 0, 0], [0, 1, 0], [0, 0, part.z_sign() as i8]]),
     }
+}
+
+/// A channel of CRSF as a pulse, µs: 988 at 172, 2012 at 1811 (CRSF, RC_CHANNELS_PACKED).
+fn pulse(channel: u16) -> u16 {
+    (i32::from(channel) * 5 / 8 + 880).clamp(0, i32::from(u16::MAX)) as u16
 }
 
 /// A receiver's message that came at `time` µs.

@@ -32,7 +32,6 @@ use crate::supervisor::{Actions, Facts, Phase, RowSet, Supervisor};
 use crate::watch::{Seen, Watch, is_position_known, time_to_return};
 
 pub use command::NO_ITEM;
-pub use plans::Plans;
 pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
 
 /// Of the time until a failsafe brakes: estimate, look, attitude, s.
@@ -47,7 +46,7 @@ pub struct Outer {
     parameters: Parameters,
     inner: InnerParameters,
     actions: Actions,
-    plans: Plans,
+    plans: plans::Plans,
     supervisor: Supervisor,
     watch: Watch,
     modes: Modes,
@@ -89,7 +88,7 @@ impl Outer {
             inner: InnerParameters::new(&parameters)?,
             actions: Actions::new(&parameters),
             parameters,
-            plans: Plans::default(),
+            plans: plans::Plans::default(),
             supervisor: Supervisor::default(),
             watch: Watch::default(),
             modes: Modes::default(),
@@ -134,6 +133,16 @@ impl Outer {
     /// The parameter table as it is now.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// Phase, mode and failsafe.
+    pub fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+
+    /// What spoke against arming when it was last looked at; looked at while disarmed.
+    pub fn blockers(&self) -> Blockers {
+        self.blockers
     }
 
     /// The estimate with all that it follows from.

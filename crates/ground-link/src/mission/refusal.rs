@@ -53,6 +53,7 @@ impl fmt::Display for Words<'_> {
             Reason::NoWaypoint => write!(f, "{field}: nothing to fly to; add a waypoint"),
             Reason::Missing => write!(f, "{field}: the item is missing"),
             Reason::TooMany(count) => write!(f, "{field}: {count} items, there is room for {MAX_ITEMS}"),
+            Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
             Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
         }
     }

@@ -16,6 +16,8 @@ use std::path::Path;
 
 use windhover_autopilot::mission::item::MissionItem;
 
+use crate::closed_loop::Stored;
+
 pub use error::{Field, MissionFileError, Place, Problem};
 
 /// The most bytes that are read of a file: a million items, so that their number can be told.
@@ -35,6 +37,10 @@ pub struct MissionFile {
     pub cruise_speed: Option<f32>,
     /// Speed of the plan for multirotors, m/s.
     pub hover_speed: Option<f32>,
+    /// The geofence, as the items that a ground station uploads.
+    pub fence: Vec<MissionItem>,
+    /// Rally points, as the items that a ground station uploads.
+    pub rally: Vec<MissionItem>,
     /// Whether the file has a geofence, which is not read.
     pub has_geofence: bool,
     /// Whether the file has rally points, which are not read.
@@ -46,6 +52,15 @@ pub struct MissionFile {
 }
 
 impl MissionFile {
+    /// What is stored on board once it is uploaded.
+    pub fn stored(&self) -> Stored {
+        Stored {
+            mission: self.items.clone(),
+            fence: self.fence.clone(),
+            rally: self.rally.clone(),
+        }
+    }
+
     /// How a person finds item `index` of `items` in the file: "item 3",
     /// "item 2 (survey), part 7" or, in a waypoint file, "item 3 (line 5)".
     pub fn describe(&self, index: usize) -> String {
