@@ -207,7 +207,9 @@ impl<S: MissionSource + ?Sized> Reader<'_, S> {
         let count = self.vertex_count(index, head)?;
         let first = self.fence.vertices.len();
         for offset in 0..count {
-            let item = self.item(index.saturating_add(offset)).ok_or(FenceRefusal::Missing)?;
+            let item = self
+                .item(index.saturating_add(offset))
+                .ok_or(FenceRefusal::Missing)?;
             let point = self.point(&item)?;
             let room = self.fence.vertices.push(point);
             room.map_err(|_| FenceRefusal::TooManyVertices)?;
