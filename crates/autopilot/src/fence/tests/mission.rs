@@ -175,4 +175,6 @@ fn height_and_distance_count_with_every_leg() {
     // The climb before returning is a leg as well.
     let low = mission_item(nav::NAV_WAYPOINT, [0.0; 2], 50.0, 0.0, 10.0);
     assert_eq!(refused(&[low, home()], limits(0.0, 25.0)), Some((1, "return")));
+    let above_home = [mission_item(nav::NAV_WAYPOINT, [0.0; 2], 1.0, 0.0, 10.0), home()];
+    assert_eq!(refused(&above_home, limits(0.0, 25.0)), None);
 }
