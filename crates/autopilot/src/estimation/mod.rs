@@ -284,9 +284,14 @@ impl Estimation {
         }
     }
 
-    /// Whether a sensor that was heard of is not relied on any more.
-    pub fn is_lost(&self, sensor: Sensor) -> bool {
-        let health = self.filter().map(|filter| filter.health(sensor));
+    /// Whether a compass that was heard of is not to be relied on.
+    pub fn is_compass_lost(&self) -> bool {
+        self.filter().is_some_and(|filter| self.aiding.is_compass_lost(filter))
+    }
+
+    /// Whether a barometer that was heard of is not relied on any more.
+    pub fn is_barometer_lost(&self) -> bool {
+        let health = self.filter().map(|filter| filter.health(Sensor::Barometer));
         matches!(health, Some(Health::Lost { .. }))
     }
 

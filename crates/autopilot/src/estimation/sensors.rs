@@ -60,6 +60,11 @@ const DOUBTS_PER_FIX: f32 = 0.02;
 /// A compass that has shown the same so often in a row hangs: its noise is one count.
 const FROZEN_FIELD: u8 = 10;
 
+/// A compass that has shown nothing for so long is silent, µs.
+const COMPASS_SILENCE: u64 = 1_000_000;
+/// A compass that was rejected so often in a row is wrong: a second at its rate.
+const COMPASS_WRONG: u32 = 50;
+
 /// A receiver that has said the same so often in a row hangs.
 const HANGS: u8 = 1;
 
@@ -95,8 +100,9 @@ pub(super) struct Aiding {
     fitting: CompassFitting,
     level: Option<PressureLevel>,
     interference: Interference,
-    /// When the last compass sample came, µs.
+    /// When the last compass sample came, and when the last one that did not hang, µs.
     last_field: u64,
+    live_field: Option<u64>,
     /// What it held, and how often in a row.
     last_counts: [i16; 3],
     same_field: u8,
@@ -127,6 +133,7 @@ impl Aiding {
             level: None,
             interference: Interference::default(),
             last_field: 0,
+            live_field: None,
             last_counts: [0; 3],
             same_field: 0,
             height_offset: None,
@@ -154,6 +161,12 @@ impl Aiding {
         if let Some(field) = field {
             self.interference.refer(filter.state().attitude, field);
         }
+    }
+
+    /// Whether a compass that was heard of is silent, hangs, or says what cannot be.
+    pub(super) fn is_compass_lost(&self, filter: &Filter) -> bool {
+        let silent = |live| filter.time().saturating_sub(live) > COMPASS_SILENCE;
+        self.live_field.is_some_and(silent) || filter.monitor(Sensor::Compass).consecutive >= COMPASS_WRONG
     }
 
     /// Whether there is an origin and a receiver that has said where the vehicle is.
@@ -274,6 +287,7 @@ impl Aiding {
         if self.same_field >= FROZEN_FIELD {
             return;
         }
+        self.live_field = Some(now);
         let measured = self.field(sample, settings);
         let attitude = filter.state().attitude;
         let Some(field) = self.interference.correct(measured.field, attitude, load, elapsed) else {

@@ -8,8 +8,11 @@
 
 use windhover_math::{Vector3, max, min, sqrt};
 
-use super::shape::{HAIR, Outline, Point, beside, circle_crossings, edges, length, outward, squared};
+use super::shape::{HAIR, Outline, Point, circle_crossings, edges, length, outward, squared, unit};
 use super::{Fence, ground};
+
+/// How far beside an outline it is looked whether another inclusion is there, m.
+const NUDGES: [f32; 4] = [HAIR, 0.5 * HAIR, 0.25 * HAIR, 0.125 * HAIR];
 
 /// There are more crossings than are kept: this inclusion, counted among inclusions, has the first
 /// that is one too many.
@@ -27,7 +30,7 @@ impl Fence {
         let point = ground(position);
         let mut clearance = self.inside_clearance(point);
         for outline in self.outlines(false) {
-            let (inside, square) = outline.measure(point, |_| true);
+            let (inside, square) = outline.measure(point, |_, _| true);
             let distance = sqrt(square);
             clearance = min(clearance, if inside { -distance } else { distance });
         }
@@ -41,9 +44,9 @@ impl Fence {
         let mut least = f32::MAX;
         for (index, outline) in self.outlines(true).enumerate() {
             let (within, square) = if several {
-                outline.measure(point, |beside| !self.includes(beside, &[index]))
+                outline.measure(point, |place, out| self.is_free(index, outline, place, out))
             } else {
-                outline.measure(point, |_| true)
+                outline.measure(point, |_, _| true)
             };
             bounded = true;
             inside |= within;
@@ -58,10 +61,28 @@ impl Fence {
         if inside { sqrt(least) } else { -sqrt(least) }
     }
 
-    /// Whether a point lies in an inclusion that is not one of `but`, counted among inclusions.
-    fn includes(&self, point: Point, but: &[usize]) -> bool {
-        let mut others = self.outlines(true).enumerate();
-        others.any(|(index, outline)| !but.contains(&index) && outline.contains(point))
+    /// Whether what lies just outside of an inclusion, at a place of its outline, is in no other
+    /// one. Where the inclusion itself lies just across, as in a notch that narrows, it is looked
+    /// nearer by.
+    fn is_free(&self, index: usize, own: Outline<'_>, place: Point, out: Point) -> bool {
+        for nudge in NUDGES {
+            let beside = place + out * nudge;
+            let mut others = self.outlines(true).enumerate();
+            if others.any(|(other, outline)| other != index && outline.contains(beside)) {
+                return false;
+            }
+            if !own.contains(beside) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether something just beside a point, in the direction out of two inclusions that cross
+    /// there, is in none.
+    fn is_corner(&self, point: Point, out: Point) -> bool {
+        let included = |point| self.outlines(true).any(|outline| outline.contains(point));
+        NUDGES.iter().any(|nudge| !included(point + out * *nudge))
     }
 
     /// Finds the inner corners, once all shapes are there.
@@ -72,8 +93,7 @@ impl Fence {
             for (other, second) in self.outlines(true).enumerate().skip(index + 1) {
                 crossings(first, second, |corner, out| {
                     let near = |known: &Point| squared(known - corner) < HAIR * HAIR;
-                    let beside = beside(corner, out);
-                    if !self.includes(beside, &[index, other]) && !corners.iter().any(near) {
+                    if self.is_corner(corner, unit(out)) && !corners.iter().any(near) {
                         found = found.and(corners.push(corner).map_err(|_| TooManyCrossings(other)));
                     }
                 });
@@ -155,10 +175,4 @@ fn circles_cross(first: (Point, f32), second: (Point, f32), mut found: impl FnMu
     for point in [centre + ahead + aside, centre + ahead - aside] {
         found(point, unit(point - centre) + unit(point - other));
     }
-}
-
-/// The direction of a vector; that of nothing is nothing.
-fn unit(v: Point) -> Point {
-    let length = length(v);
-    if length > 0.0 { v / length } else { v }
 }

@@ -26,7 +26,7 @@ pub mod command {
 }
 
 /// The smallest area of a polygon, m²: less is a slip of the hand.
-const SMALLEST_AREA: f32 = 4.0;
+const SMALLEST_AREA: u16 = 4;
 
 /// Why an item of a fence, or a rally point, is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,12 +64,14 @@ pub enum FenceRefusal {
 
 impl fmt::Display for FenceRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        match *self {
             Self::Command(command) => write!(f, "command: {command} is not understood here"),
-            Self::Place(refusal) => write!(f, "{refusal}"),
+            Self::Place(ref refusal) => write!(f, "{refusal}"),
             Self::Missing => f.write_str("fence: the item is missing; send the plan again"),
             Self::TooFewVertices => f.write_str("polygon: fewer than 3 vertices; add some, or remove it"),
+            // Whole numbers: writing floats costs more flash than they tell.
             Self::VertexCount { said, found } => {
+                let said = said as i32;
                 write!(
                     f,
                     "polygon: {said} vertices announced, {found} found; send the plan again"
@@ -88,12 +90,16 @@ impl fmt::Display for FenceRefusal {
                     "fence: inclusions cross more than {MAX_CROSSINGS} times; join them into one"
                 )
             }
-            Self::Radius(radius) => write!(f, "circle: a radius of {radius} m is outside 1 to 10000"),
+            Self::Radius(radius) => {
+                let radius = radius as i32;
+                write!(f, "circle: a radius of {radius} m is outside 1 to 10000")
+            }
             Self::SelfCrossing => f.write_str("polygon: crosses or touches itself; move its vertices apart"),
             Self::Small(area) => {
+                let area = area as i32;
                 write!(
                     f,
-                    "polygon: {area:.1} m^2 is too small, {SMALLEST_AREA} is the least; enlarge it"
+                    "polygon: {area} m^2 is too small, {SMALLEST_AREA} is the least; enlarge it"
                 )
             }
             Self::TooManyRallyPoints => {
@@ -289,7 +295,7 @@ fn check_polygon(vertices: &[Point]) -> Result<(), FenceRefusal> {
         }
     }
     let area = 0.5 * doubled_area(vertices).abs();
-    if area < SMALLEST_AREA {
+    if area < f32::from(SMALLEST_AREA) {
         return Err(FenceRefusal::Small(area));
     }
     Ok(())

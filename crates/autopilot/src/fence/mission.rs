@@ -7,7 +7,8 @@
 
 use windhover_math::{Vector3, min};
 
-use super::{Fence, FenceAction, FenceParameters, Rally};
+use super::shape::length;
+use super::{Fence, FenceAction, FenceParameters, Rally, ground};
 use crate::mission::action::{Action, Reason, Refusal, interpret};
 use crate::mission::nav::{Chart, Nav, NavKind};
 use crate::mission::route::Cursor;
@@ -119,13 +120,19 @@ impl<S: MissionSource + ?Sized> Walk<'_, S> {
         Ok(at.target)
     }
 
-    /// Up to the return height, across to where it is nearest to land, and down there.
+    /// Up to the return height, unless close by, across to where it is nearest to land, and down
+    /// there. Over ground all of that is the way across, and nothing is higher than its ends.
     fn homeward(&self, index: u16, from: Vector3) -> Result<Vector3, (u16, Refusal)> {
+        let parameters = self.chart.parameters;
         let home = self.chart.home;
-        let height = min(from.z, home.z - self.chart.parameters.return_altitude);
-        let up = Vector3::new(from.x, from.y, height);
         let to = self.rally.destination(from, home);
-        self.leg(index, "return", from, up)?;
+        let near = length(ground(to - from)) < parameters.acceptance_radius;
+        let height = if near {
+            from.z
+        } else {
+            min(from.z, home.z - parameters.return_altitude)
+        };
+        let up = Vector3::new(from.x, from.y, height);
         self.leg(index, "return", up, Vector3::new(to.x, to.y, height))?;
         Ok(Vector3::new(to.x, to.y, home.z))
     }

@@ -132,15 +132,9 @@ impl Fence {
         (bounded && !inside).then_some(BreachKind::Boundary)
     }
 
-    /// What a segment from `from` to `to` meets first of what lies outside of the fence. It is cut
-    /// where it crosses outlines: a piece between two cuts is inside or outside as a whole.
-    fn breach_along(&self, from: Point, to: Point) -> Option<BreachKind> {
-        if self.is_empty() {
-            return None;
-        }
-        if let Some(kind) = self.breach_at(from) {
-            return Some(kind);
-        }
+    /// What the way to a point meets first of what lies outside of the fence. It is cut where it
+    /// crosses outlines: a piece between two cuts is inside or outside as a whole.
+    fn breach_ahead(&self, from: Point, to: Point) -> Option<BreachKind> {
         let way = to - from;
         // An edge is crossed once, a circle twice; the end is the last cut.
         let mut cuts: Vec<f32, { MAX_VERTICES + 2 * MAX_SHAPES }> = Vec::new();

@@ -64,18 +64,17 @@ fn crosses_west(a: Point, b: Point) -> bool {
     low.perp(&high) > 0.0
 }
 
-/// A point `HAIR` outside of an edge with this direction, at `point` of it.
-fn beside_edge(point: Point, along: Point) -> Point {
-    beside(point, outward(along))
+/// The direction of a vector; that of nothing is nothing.
+pub(super) fn unit(v: Point) -> Point {
+    let length = length(v);
+    if length > 0.0 { v / length } else { v }
 }
 
-/// A point `HAIR` from `point`, in a direction of any length.
-pub(super) fn beside(point: Point, direction: Point) -> Point {
-    let length = length(direction);
-    if length > 0.0 {
-        point + direction * (HAIR / length)
-    } else {
-        point
+/// The last vertex but one, and the last.
+fn last_two(vertices: &[Point]) -> [Point; 2] {
+    match vertices {
+        [.., before, last] => [*before, *last],
+        _ => [Point::zeros(); 2],
     }
 }
 
@@ -116,21 +115,31 @@ impl Outline<'_> {
     }
 
     /// Whether a point lies within, and the square of its distance from the outline, in m². Only
-    /// those places of the outline count that are visible: `visible` is given a point just outside
-    /// of the place. `f32::MAX` if none is.
-    pub fn measure(&self, point: Point, visible: impl Fn(Point) -> bool) -> (bool, f32) {
+    /// those places of the outline count that are visible: `visible` is given the place and the
+    /// direction out of the shape there. `f32::MAX` if none is.
+    pub fn measure(&self, point: Point, visible: impl Fn(Point, Point) -> bool) -> (bool, f32) {
         let mut nearest = Nearest(f32::MAX);
         match *self {
             Self::Polygon(vertices) => {
                 let mut inside = false;
-                let mut a = vertices.last().copied().unwrap_or_default() - point;
+                let [before, last] = last_two(vertices);
+                let (mut a, mut before) = (last - point, last - before);
                 for vertex in vertices {
                     let b = vertex - point;
-                    inside ^= crosses_west(a, b);
                     let along = b - a;
-                    let foot = a + along * share(-a.dot(&along), squared(along));
-                    nearest.offer(squared(foot), || visible(beside_edge(point + foot, along)));
-                    a = b;
+                    inside ^= crosses_west(a, b);
+                    let (part, whole) = (-a.dot(&along), squared(along));
+                    // Beyond the end the next edge is nearer, or as near with its beginning.
+                    if part < whole {
+                        let share = if part > 0.0 { part / whole } else { 0.0 };
+                        let foot = a + along * share;
+                        nearest.offer(squared(foot), || {
+                            let out = unit(outward(along));
+                            let at_corner = unit(outward(before)) + out;
+                            visible(point + foot, if share > 0.0 { out } else { unit(at_corner) })
+                        });
+                    }
+                    (a, before) = (b, along);
                 }
                 (inside, nearest.0)
             }
@@ -144,7 +153,7 @@ impl Outline<'_> {
                 } else {
                     Point::new(radius, 0.0)
                 };
-                nearest.offer(rest * rest, || visible(beside(centre + out, out)));
+                nearest.offer(rest * rest, || visible(centre + out, out / radius));
                 (distance <= radius, nearest.0)
             }
         }
@@ -185,18 +194,6 @@ pub(super) fn circle_crossings(centre: Point, radius: f32, way: Point, mut found
             found(foot - half);
             found(foot + half);
         }
-    }
-}
-
-/// A share between 0 and 1; 0 of nothing.
-#[inline(always)]
-fn share(part: f32, whole: f32) -> f32 {
-    if part <= 0.0 {
-        0.0
-    } else if part < whole {
-        part / whole
-    } else {
-        1.0
     }
 }
 

@@ -8,7 +8,7 @@
 
 use windhover_math::{Vector3, max, min};
 
-use super::shape::{Point, length, squared};
+use super::shape::{Point, length};
 use super::{Fence, FenceParameters, ground};
 
 /// From this speed on the whole margin is kept, m/s.
@@ -52,9 +52,10 @@ impl Fence {
         acceleration: f32,
         reaction_time: f32,
     ) -> Option<Breach> {
-        let breach = |kind, predicted| Breach { kind, predicted };
-        if let Some(kind) = self.breach_of(parameters, home, position, position) {
-            return Some(breach(kind, false));
+        let now = limits(parameters, position - home).or_else(|| self.breach_at(ground(position)));
+        if let Some(kind) = now {
+            let predicted = false;
+            return Some(Breach { kind, predicted });
         }
         if !parameters.predicts() {
             return None;
@@ -73,34 +74,33 @@ impl Fence {
         // Downwards there is no limit.
         let climb = ahead(max(-velocity.z, 0.0));
         let stop = position + Vector3::new(along.x, along.y, -climb);
-        let kind = self.breach_of(parameters, home, position, stop)?;
-        Some(breach(kind, true))
+        let ahead = || self.breach_ahead(ground(position), ground(stop));
+        let kind = limits(parameters, stop - home).or_else(ahead)?;
+        let predicted = true;
+        Some(Breach { kind, predicted })
     }
 
     /// Whether the straight way between two positions, NED in m, leaves the fence, enters an
     /// exclusion or goes beyond a limit of the parameters anywhere, its ends included. What is
     /// thinner than a centimetre does not count.
     pub fn leaves(&self, parameters: &FenceParameters, home: Vector3, from: Vector3, to: Vector3) -> bool {
-        self.breach_of(parameters, home, from, to).is_some()
+        // Distance and height are convex: the ends decide.
+        limits(parameters, from - home)
+            .or_else(|| limits(parameters, to - home))
+            .or_else(|| self.breach_at(ground(from)))
+            .or_else(|| self.breach_ahead(ground(from), ground(to)))
+            .is_some()
     }
+}
 
-    fn breach_of(
-        &self,
-        parameters: &FenceParameters,
-        home: Vector3,
-        from: Vector3,
-        to: Vector3,
-    ) -> Option<BreachKind> {
-        // Both limits are convex: the ends decide.
-        let beyond = |limit: f32, value: f32| limit > 0.0 && value > limit;
-        if beyond(parameters.altitude_max, max(home.z - from.z, home.z - to.z)) {
-            return Some(BreachKind::Altitude);
-        }
-        let (from, to) = (ground(from), ground(to));
-        let furthest = max(squared(from - ground(home)), squared(to - ground(home)));
-        if beyond(parameters.distance_max, windhover_math::sqrt(furthest)) {
-            return Some(BreachKind::Distance);
-        }
-        self.breach_along(from, to)
+/// What of the parameters a position, counted from home, is beyond.
+fn limits(parameters: &FenceParameters, position: Vector3) -> Option<BreachKind> {
+    let beyond = |limit: f32, value: f32| limit > 0.0 && value > limit;
+    if beyond(parameters.altitude_max, -position.z) {
+        Some(BreachKind::Altitude)
+    } else if beyond(parameters.distance_max, length(ground(position))) {
+        Some(BreachKind::Distance)
+    } else {
+        None
     }
 }

@@ -13,13 +13,13 @@ mod report;
 use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::PositionController;
-use windhover_estimator::Sensor;
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{GRAVITY, Vector3, sqrt};
 
 use crate::battery::Battery;
 use crate::blocker::Blockers;
 use crate::estimation::{Estimate, Estimation, OuterConfig};
+use crate::fence::FenceAction;
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::landing::LandDetector;
 use crate::mission::{MissionEvent, MissionEvents, MissionSource};
@@ -251,14 +251,6 @@ impl Outer {
         is_position_known(self.estimate(), self.estimation.position_age(), &self.parameters)
     }
 
-    fn compass_lost(&self) -> bool {
-        self.estimation.is_lost(Sensor::Compass)
-    }
-
-    fn barometer_lost(&self) -> bool {
-        self.estimation.is_lost(Sensor::Barometer)
-    }
-
     /// What modes can rely on.
     fn conditions(&self) -> Conditions {
         let known = &self.estimate().known;
@@ -353,8 +345,8 @@ impl Outer {
             snapshot,
             estimate,
             position_age: self.estimation.position_age(),
-            compass_lost: self.compass_lost(),
-            barometer_lost: self.barometer_lost(),
+            compass_lost: self.estimation.is_compass_lost(),
+            barometer_lost: self.estimation.is_barometer_lost(),
             mode,
             needs,
             height: self.home.z - estimate.position.z,
@@ -382,7 +374,8 @@ impl Outer {
             p.manual.acceleration,
             REACTION,
         );
-        self.breach = known && breach.is_some();
+        let counts = p.fence.action() != FenceAction::Nothing;
+        self.breach = known && counts && breach.is_some();
         let to = self.plans.rally.destination(estimate.position, self.home);
         let (north, east) = (to.x - estimate.position.x, to.y - estimate.position.y);
         let distance = sqrt(north * north + east * east);

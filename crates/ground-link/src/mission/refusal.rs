@@ -21,6 +21,7 @@ fn result(refusal: &Refusal) -> MissionResult {
         (Reason::Frame(_), _) => MissionResult::UnsupportedFrame,
         (Reason::TooMany(_), _) => MissionResult::NoSpace,
         (Reason::Missing, _) => MissionResult::Error,
+        (Reason::Fence, _) => MissionResult::Invalid,
         (_, "hold time" | "loiter time" | "delay" | "trigger distance" | "jump target") => {
             MissionResult::InvalidParam1
         }
@@ -55,6 +56,7 @@ impl fmt::Display for Words<'_> {
             Reason::TooMany(count) => write!(f, "{field}: {count} items, there is room for {MAX_ITEMS}"),
             Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
             Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
+            Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
         }
     }
 }
