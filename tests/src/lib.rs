@@ -83,7 +83,7 @@ pub fn monitoring() -> MissionFile {
 pub fn logged(setup: &Setup, mission: &MissionFile) -> (Flight, Vec<u8>) {
     let loaded = flight::closed_loop(setup, mission).expect("a flight that starts");
     let (parameters, home) = (*loaded.outer().parameters(), flight::home(mission));
-    let mut log = FlightLog::new(setup, &parameters, home, &mission.items, &[]);
+    let mut log = FlightLog::new(setup, &parameters, home, &mission.stored(), &[]);
     let mut flown = flight::fly(setup, mission, &mut log, &mut |_| {}).expect("a flight that starts");
     flown.figures.log_bytes_per_s = log.rate(flown.simulated);
     let bytes = log.finish(&[], &flown.events);
@@ -110,7 +110,7 @@ pub fn traced(setup: &Setup, mission: &MissionFile) -> (Flight, Trace) {
 /// A core that is as new gives the recorded motor commands again.
 pub fn replay(setup: &Setup, mission: &MissionFile, recording: &Recording) {
     let outer = setup.outer(flight::home(mission)).expect("a vehicle that flies");
-    let replayed = recording.replay(setup.inner_config(), outer, &mission.items);
+    let replayed = recording.replay(setup.inner_config(), outer, &mission.stored());
     assert_eq!(replayed, Ok(()), "replay differs from the flight");
     assert!(recording.ticks() > 0, "nothing was recorded");
 }

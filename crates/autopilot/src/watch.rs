@@ -120,11 +120,13 @@ impl Default for Symptoms {
 impl Symptoms {
     /// Takes in a step.
     #[inline]
-    fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) {
+    fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32, on_sensors: bool) {
         let increments = &snapshot.increments;
         let ticks = f32::from(increments.ticks.max(1));
         let share = |time: f32| min(increments.duration / time, 1.0);
-        let bad = f32::from(increments.missing.max(increments.blind).max(increments.clipped));
+        // An accelerometer that shows the same for long hangs, unless the world has no noise.
+        let blind = if on_sensors { increments.blind } else { 0 };
+        let bad = f32::from(increments.missing.max(blind).max(increments.clipped));
         self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
         self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share(SHARE_TIME);
         self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(TILT_TIME);
@@ -205,10 +207,11 @@ impl Watch {
         self.active
     }
 
-    /// Whether this step is one that looks at the rows.
+    /// Takes in a step of a vehicle on its own sensors, or one that is told from outside where it is;
+    /// whether it is time to look at the rows.
     #[inline]
-    pub fn step(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) -> bool {
-        self.symptoms.look(snapshot, cos_tilt_wanted);
+    pub fn step(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32, on_sensors: bool) -> bool {
+        self.symptoms.look(snapshot, cos_tilt_wanted, on_sensors);
         self.steps = if self.steps >= EVERY - 1 {
             0
         } else {
@@ -242,14 +245,6 @@ impl Watch {
     /// The one row that does not wait for a look.
     pub fn with_stop(active: RowSet, stopped: Option<Stop>) -> RowSet {
         active.with(Row::ImuMissing, stopped == Some(Stop::ImuMissing))
-    }
-
-    /// Forgets what a flight has left: nothing is wrong yet with the next one.
-    pub fn restart(&mut self) {
-        *self = Self {
-            steps: self.steps,
-            ..Self::default()
-        };
     }
 }
 

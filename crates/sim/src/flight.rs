@@ -243,7 +243,7 @@ pub fn fly<R: Recorder>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Flight, SetupError> {
     let mut flown = ready(setup, mission)?;
-    let mut operator = Operator::new(setup.sensors.is_some());
+    let mut operator = Operator::new(setup.sensors.is_some(), &mission.items);
     let mut watch = Watch::new(mission.items.len(), setup, home(mission));
     let rate = f64::from(setup.imu_rate);
     let mut writes = setup.writes.iter().peekable();

@@ -124,7 +124,6 @@ impl Outer {
         self.order(order, facts)?;
         if was == Phase::Disarmed {
             self.stand();
-            self.watch.restart();
             if self.estimation.estimate().known.position && !self.home_is_set {
                 self.home = self.estimation.estimate().position;
             }
@@ -255,8 +254,11 @@ impl Outer {
             || self.battery.charge() >= crate::battery::Charge::Critical;
         Blockers::default()
             .with(Blocker::Stopped, stopped)
-            .with(Blocker::AttitudeUnknown, !estimate.known.attitude)
-            .with(Blocker::Tilted, tilted)
+            .with(
+                Blocker::AttitudeUnknown,
+                !estimate.known.attitude || active.contains(Row::AttitudeUnknown),
+            )
+            .with(Blocker::Tilted, tilted || active.contains(Row::TumbleLow))
             .with(Blocker::ImuUnreliable, active.contains(Row::ImuUnreliable))
             .with(Blocker::GyroUncalibrated, uncalibrated(p.calibration.gyro_id))
             .with(
@@ -271,7 +273,10 @@ impl Outer {
             .with(Blocker::BarometerFault, needs.height && self.estimation.is_barometer_lost())
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
-            .with(Blocker::RcLost, self.remote.is_lost())
+            .with(
+                Blocker::RcLost,
+                self.remote.is_lost() || active.contains(Row::RcLost),
+            )
             .with(
                 Blocker::SticksUnsafe,
                 self.switches.refused || self.is_throttle_up(),

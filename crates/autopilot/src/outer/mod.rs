@@ -328,7 +328,7 @@ impl Outer {
 
     /// Looks at what is watched, when it is time; the rows that have become active.
     fn look(&mut self, snapshot: &Snapshot) -> RowSet {
-        if !self.watch.step(snapshot, self.cos_tilt) {
+        if !self.watch.step(snapshot, self.cos_tilt, self.estimation.is_on_sensors()) {
             return RowSet::default();
         }
         self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
@@ -455,6 +455,7 @@ impl Outer {
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
         result.landed = self.landing.is_landed() || step.contact;
+        result.motor_gain = self.parameters.motor.gain(self.battery.voltage());
         let report = &mut result.report;
         report.phase = self.supervisor.phase();
         report.mode = self.supervisor.mode();

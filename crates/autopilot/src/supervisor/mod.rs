@@ -187,7 +187,7 @@ impl Supervisor {
         } else {
             facts.active
         };
-        if active.is_empty() {
+        if facts.active.is_empty() {
             self.overridden = Action::None;
         }
         let worst = actions.worst(self.not_overridden(active, facts.rising, actions));
@@ -278,9 +278,13 @@ impl Supervisor {
             Order::Arm { .. } | Order::ForceArm if self.phase != Phase::Disarmed => Ok(()),
             Order::Arm { blocked: true } => Err(Denied::Blocked),
             Order::Arm { .. } | Order::ForceArm => {
+                // Whoever arms knows what is wrong already: only what comes then acts.
                 *self = Self {
                     phase: Phase::Armed,
                     mode: self.mode,
+                    overridden: actions
+                        .worst(facts.active)
+                        .map_or(Action::None, |row| actions.of(row)),
                     ..Self::default()
                 };
                 Ok(())
