@@ -3,10 +3,12 @@
 //! - [`plan`]: missions written in metres from home; [`trace`]: what a flight did, step by step.
 //! - [`random`]: flights with everything drawn at random.
 //! - [`shaken`]: the core on an inertial sensor that rotors shake.
+//! - [`failsafe`]: flights in which something goes wrong.
 //! - [`mod@bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
 pub mod bench;
+pub mod failsafe;
 pub mod plan;
 pub mod random;
 pub mod shaken;

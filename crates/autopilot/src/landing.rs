@@ -113,7 +113,9 @@ impl LandDetector {
             !estimate.known.position || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
         let turn = snapshot.increments.rotation.shortest();
         let rate = 2.0 * per_second * scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
-        let held = (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
+        // An accelerometer that shows nothing says nothing of the ground either.
+        let blind = snapshot.increments.blind > 0 && estimate.known.height;
+        let held = blind || (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
         self.thrust < THRUST && held && still_upright && still_flat && rate < RATE
     }
 }

@@ -54,8 +54,6 @@ pub struct Seen<'a> {
     pub needs: Needs,
     /// Height above the place of arming, m.
     pub height: f32,
-    /// Cosine of the tilt that control asked for last.
-    pub cos_tilt_wanted: f32,
     /// The charge of the battery.
     pub charge: Charge,
     /// The battery does not last to return.
@@ -68,6 +66,24 @@ pub struct Seen<'a> {
     pub setpoint_fresh: bool,
     /// The fence is left, or cannot be kept any more.
     pub breach: bool,
+}
+
+/// What control asked for last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Cosine of the tilt.
+    pub cos_tilt: f32,
+    /// Whether it was all the thrust that there is.
+    pub all_thrust: bool,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Self {
+            cos_tilt: 1.0,
+            all_thrust: false,
+        }
+    }
 }
 
 /// What a mode relies on.
@@ -99,7 +115,7 @@ impl Needs {
 pub struct Symptoms {
     /// Share of inertial samples that were missing, invalid or at the end of their range.
     bad_samples: f32,
-    /// Share of ticks at which a motor was at its limit.
+    /// Share of the time for which a motor, or all thrust, was at its limit.
     saturated: f32,
     /// Cosine of the tilt that control asks for.
     cos_tilt: f32,
@@ -120,7 +136,7 @@ impl Default for Symptoms {
 impl Symptoms {
     /// Takes in a step.
     #[inline]
-    fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32, on_sensors: bool) {
+    fn look(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) {
         let increments = &snapshot.increments;
         let ticks = f32::from(increments.ticks.max(1));
         let share = |time: f32| min(increments.duration / time, 1.0);
@@ -128,8 +144,13 @@ impl Symptoms {
         let blind = if on_sensors { increments.blind } else { 0 };
         let bad = f32::from(increments.missing.max(blind).max(increments.clipped));
         self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
-        self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share(SHARE_TIME);
-        self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(TILT_TIME);
+        let saturated = if wanted.all_thrust {
+            1.0
+        } else {
+            f32::from(increments.saturated) / ticks
+        };
+        self.saturated += (saturated - self.saturated) * share(SHARE_TIME);
+        self.cos_tilt += (wanted.cos_tilt - self.cos_tilt) * share(TILT_TIME);
         self.was_silent |= increments.duration > SILENCE;
     }
 
@@ -210,8 +231,8 @@ impl Watch {
     /// Takes in a step of a vehicle on its own sensors, or one that is told from outside where it is;
     /// whether it is time to look at the rows.
     #[inline]
-    pub fn step(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32, on_sensors: bool) -> bool {
-        self.symptoms.look(snapshot, cos_tilt_wanted, on_sensors);
+    pub fn step(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) -> bool {
+        self.symptoms.look(snapshot, wanted, on_sensors);
         self.steps = if self.steps >= EVERY - 1 {
             0
         } else {

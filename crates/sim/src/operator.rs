@@ -32,7 +32,12 @@ pub struct Operator {
     settling: f64,
     /// Where the takeoff leads: the height of the mission's first point.
     altitude: Option<Altitude>,
+    /// Since when the vehicle stays where a failsafe has put it, s.
+    stays_since: Option<f64>,
 }
+
+/// A vehicle that a failsafe has stopped is waited for so long, s, and then called back.
+const PATIENCE: f64 = 90.0;
 
 /// On sensors, nothing must have spoken against arming for so long, s.
 const SETTLED: f64 = 2.0;
@@ -45,6 +50,7 @@ impl Operator {
             clear_since: None,
             settling: if on_sensors { SETTLED } else { 0.0 },
             altitude: first_altitude(mission),
+            stays_since: None,
         }
     }
 
@@ -66,7 +72,21 @@ impl Operator {
                 self.stage = Stage::Home;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
             }
-            _ => {}
+            _ => self.call_back(flown, time),
+        }
+    }
+
+    /// Calls a vehicle back that does not come by itself; where it cannot return, it lands.
+    fn call_back(&mut self, flown: &mut ClosedLoop, time: f64) {
+        let supervisor = flown.outer().supervisor();
+        let stays = supervisor.phase() == Phase::Flying
+            && matches!(supervisor.mode(), Mode::Hold | Mode::Altitude);
+        if !stays {
+            self.stays_since = None;
+        } else if time - *self.stays_since.get_or_insert(time) > PATIENCE {
+            self.stays_since = Some(time);
+            self.stage = Stage::Home;
+            flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
         }
     }
 

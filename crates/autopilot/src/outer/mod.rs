@@ -12,7 +12,7 @@ mod report;
 
 use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
-use windhover_control::position::PositionController;
+use windhover_control::position::{AttitudeSetpoint, PositionController};
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{GRAVITY, Vector3, sqrt};
 
@@ -29,7 +29,7 @@ use crate::queue::ParameterWrite;
 use crate::rc::{Events, Remote};
 use crate::schedule::OUTER_RATE;
 use crate::supervisor::{Actions, Facts, Phase, RowSet, Supervisor};
-use crate::watch::{Seen, Watch, is_position_known, time_to_return};
+use crate::watch::{Seen, Wanted, Watch, is_position_known, time_to_return};
 
 pub use command::NO_ITEM;
 pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
@@ -71,8 +71,7 @@ pub struct Outer {
     range_short: bool,
     looks: u8,
     storage_damaged: bool,
-    /// Cosine of the tilt that was demanded last.
-    cos_tilt: f32,
+    wanted: Wanted,
     estimation: Estimation,
     observer: DisturbanceObserver,
     thrust_scale: ThrustScale,
@@ -108,7 +107,7 @@ impl Outer {
             range_short: false,
             looks: 0,
             storage_damaged: false,
-            cos_tilt: 1.0,
+            wanted: Wanted::default(),
             estimation: Estimation::new(config),
             observer: DisturbanceObserver::default(),
             thrust_scale: ThrustScale::default(),
@@ -190,7 +189,7 @@ impl Outer {
         self.next = step.next;
         self.contact = step.contact;
         result.setpoint = self.control(&step, snapshot, dt);
-        self.cos_tilt = result.setpoint.attitude.cos_tilt();
+        self.wanted = self.wanted(&result.setpoint);
         result.motors = self.motors(&step.demand);
         result.tick = snapshot.tick;
         self.tell(&step, result);
@@ -328,7 +327,7 @@ impl Outer {
 
     /// Looks at what is watched, when it is time; the rows that have become active.
     fn look(&mut self, snapshot: &Snapshot) -> RowSet {
-        if !self.watch.step(snapshot, self.cos_tilt, self.estimation.is_on_sensors()) {
+        if !self.watch.step(snapshot, &self.wanted, self.estimation.is_on_sensors()) {
             return RowSet::default();
         }
         self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
@@ -350,7 +349,6 @@ impl Outer {
             mode,
             needs,
             height: self.home.z - estimate.position.z,
-            cos_tilt_wanted: self.cos_tilt,
             charge: self.battery.charge(),
             range_short: self.range_short && flies,
             rc_lost: self.remote.is_lost(),
@@ -382,6 +380,16 @@ impl Outer {
         let needed = time_to_return(distance, self.home.z - estimate.position.z, p);
         let left = self.battery.seconds_left(p.battery.emergency);
         self.range_short = left.is_some_and(|left| left < needed * p.safety.range_margin);
+    }
+
+    /// What is kept of a setpoint to be watched.
+    fn wanted(&self, setpoint: &AttitudeSetpoint) -> Wanted {
+        let p = &self.parameters;
+        let most = p.position.thrust_max * 4.0 * p.vehicle.rotor_thrust_max();
+        Wanted {
+            cos_tilt: setpoint.attitude.cos_tilt(),
+            all_thrust: setpoint.thrust >= 0.999 * most,
+        }
     }
 
     /// Weight as the thrust feels it, N.

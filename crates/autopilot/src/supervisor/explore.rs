@@ -207,6 +207,15 @@ fn check(
             Action::of(after.mode) >= Action::of(before.mode) || !facts.available.contains(before.mode);
         assert!(kept || facts.next.is_some(), "{}", what());
     }
+    // A vehicle that has landed does not think of something else to fly by itself.
+    let grounded = before.phase == Phase::Landed && after.phase == Phase::Landed;
+    if grounded && answers.is_empty() && facts.next.is_none() {
+        let quiet = after.mode == before.mode || matches!(after.mode, Mode::Altitude | Mode::Descend);
+        assert!(quiet, "{}", what());
+    }
+    if before.phase == Phase::Flying && after.phase == Phase::Landed && answers.is_empty() {
+        assert_eq!(after.interrupted, None, "{}", what());
+    }
     // Orders that were refused by themselves changed nothing.
     if let ([(_, Err(_))], [Event::Order(_)]) = (answers, events) {
         let (quiet, ..) = apply(from, &[], actions);

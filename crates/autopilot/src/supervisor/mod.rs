@@ -12,7 +12,8 @@
 //! 4. The worst row that is active acts, unless the operator has overridden it; a mode that does as
 //!    much already is not interrupted; a row that is over lets the interrupted mode resume if its
 //!    line says so.
-//! 5. A mode whose entry conditions are gone falls back: to level flight, then to a level descent.
+//! 5. A mode whose entry conditions are gone falls back: to level flight, then to a level descent;
+//!    it goes on when they are back, where no failsafe has acted meanwhile.
 //! 6. Time on the ground: disarmed.
 
 pub mod action;
@@ -154,14 +155,21 @@ impl Supervisor {
 
     /// One step, by the rules above.
     pub fn step(&mut self, facts: &Facts, actions: &Actions) {
-        if facts.stopped {
+        if facts.stopped && self.phase != Phase::Disarmed {
             self.disarm();
+            // It is named, though the inner step has done all that is to be done.
+            let missing = facts.active.contains(Row::ImuMissing);
+            self.acting = missing.then_some(Row::ImuMissing);
         }
         if self.phase == Phase::Disarmed {
             return;
         }
         match (self.phase, facts.airborne) {
-            (Phase::Flying, false) => self.phase = Phase::Landed,
+            (Phase::Flying, false) => {
+                self.phase = Phase::Landed;
+                // What was interrupted in the air is over.
+                self.interrupted = None;
+            }
             (_, true) => self.phase = Phase::Flying,
             _ => {}
         }
@@ -173,7 +181,8 @@ impl Supervisor {
             return;
         }
         self.carry_out(actions);
-        self.fall_back(facts.available);
+        self.come_back(facts.available, actions);
+        self.fall_back(facts.available, actions);
         if facts.disarm_due && self.phase != Phase::Flying {
             self.disarm();
         }
@@ -199,7 +208,12 @@ impl Supervisor {
             }
             (Some(acting), _) if active.contains(acting) => {}
             // What acted is over, and something less is left.
-            (Some(_), Some(worst)) => self.act(worst, actions),
+            (Some(acting), Some(worst)) => {
+                if actions.of(worst) < Action::Hold {
+                    self.end(acting, facts.available);
+                }
+                self.act(worst, actions);
+            }
             (Some(acting), None) => self.end(acting, facts.available),
             (None, Some(worst)) => self.begin(worst, actions),
             (None, None) => {}
@@ -221,7 +235,7 @@ impl Supervisor {
 
     fn begin(&mut self, row: Row, actions: &Actions) {
         let before = self.acting.map_or(Action::None, |acting| actions.of(acting));
-        if before < Action::Hold && actions.of(row) >= Action::Hold {
+        if before < Action::Hold && actions.of(row) >= Action::Hold && self.interrupted.is_none() && self.phase == Phase::Flying {
             self.interrupted = Some(self.mode);
         }
         self.act(row, actions);
@@ -258,10 +272,28 @@ impl Supervisor {
         }
     }
 
+    /// Whether a failsafe flies, and not the operator's mode.
+    fn is_interrupting(&self, actions: &Actions) -> bool {
+        self.acting.is_some_and(|row| actions.of(row) >= Action::Hold)
+    }
+
+    /// A mode that fell back goes on as soon as it can, unless a failsafe has it.
+    fn come_back(&mut self, available: ModeSet, actions: &Actions) {
+        if !self.is_interrupting(actions)
+            && let Some(mode) = self.interrupted.take_if(|mode| available.contains(*mode))
+        {
+            self.mode = mode;
+        }
+    }
+
     /// Level flight, and then a level descent, for modes whose entry conditions are gone.
-    fn fall_back(&mut self, available: ModeSet) {
+    fn fall_back(&mut self, available: ModeSet, actions: &Actions) {
         if available.contains(self.mode) {
             return;
+        }
+        let flying = self.phase == Phase::Flying;
+        if flying && !self.is_interrupting(actions) && self.interrupted.is_none() {
+            self.interrupted = Some(self.mode);
         }
         let landing = matches!(self.mode, Mode::Land | Mode::Descend | Mode::Altitude);
         self.mode = if !landing && available.contains(Mode::Altitude) {
