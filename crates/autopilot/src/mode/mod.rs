@@ -327,7 +327,6 @@ impl Modes {
     pub fn rest(&mut self) {
         *self = Self {
             first_item: self.first_item,
-            takeoff: self.takeoff,
             ..Self::default()
         };
     }

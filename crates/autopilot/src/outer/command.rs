@@ -56,7 +56,8 @@ impl Outer {
             Command::Fly(Mode::Mission) => self.start_mission(None, source, facts),
             Command::Fly(mode) => self.order(Order::Fly(*mode), facts),
             Command::Takeoff(altitude, heading) => {
-                finite(altitude_of(*altitude).or(*heading))?;
+                finite(altitude_of(*altitude))?;
+                finite(*heading)?;
                 self.order(Order::Fly(Mode::Takeoff), facts)?;
                 self.modes.takeoff = (*altitude, *heading);
                 Ok(())
@@ -86,7 +87,7 @@ impl Outer {
             .order(order, facts, &self.actions)
             .map_err(|denied| self.why(denied))?;
         if let Order::Fly(mode) = order {
-            self.modes.target = None;
+            (self.modes.target, self.modes.takeoff) = (None, (None, None));
             if mode == before {
                 // Asked for again: from its beginning.
                 self.modes.reenter();
