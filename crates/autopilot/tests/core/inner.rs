@@ -3,8 +3,8 @@
 
 use windhover_autopilot::sensing::{ACCEL_SCALE, GYRO_SCALE};
 use windhover_autopilot::{
-    Imu, ImuCounts, Inner, InnerConfig, InnerInput, InnerParameters, Mailboxes, MotorCommand,
-    MotorState, OuterReport, OuterResult, Parameters, Stop, Urgent,
+    Imu, ImuCounts, Inner, InnerConfig, InnerInput, InnerParameters, Mailboxes, MotorCommand, MotorState,
+    OuterReport, OuterResult, Parameters, Stop, Urgent,
 };
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{GRAVITY, Quaternion, Vector3, scalar};

@@ -69,7 +69,12 @@ fn neighbours_share_every_point_of_their_edges() {
         }
     }
     assert_eq!(tiled.clearance(at(4.0, 4.0)), 4.0);
-    let along_a_seam = tiled.leaves(&FenceParameters::default(), Vector3::zeros(), at(4.0, 1.0), at(4.0, 11.0));
+    let along_a_seam = tiled.leaves(
+        &FenceParameters::default(),
+        Vector3::zeros(),
+        at(4.0, 1.0),
+        at(4.0, 11.0),
+    );
     assert!(!along_a_seam);
 }
 

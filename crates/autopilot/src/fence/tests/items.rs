@@ -220,9 +220,18 @@ fn the_nearest_place_to_return_to() {
         let error = windhover_math::scalar::norm(to - wanted);
         assert!(error < 0.02, "{to} {wanted}");
     };
-    near(rally.destination(at(60.0, 10.0), Vector3::zeros()), Vector3::new(100.0, 0.0, -20.0));
-    near(rally.destination(at(10.0, 60.0), Vector3::zeros()), Vector3::new(0.0, 100.0, -25.0));
-    near(rally.destination(at(40.0, 40.0), Vector3::zeros()), Vector3::zeros());
+    near(
+        rally.destination(at(60.0, 10.0), Vector3::zeros()),
+        Vector3::new(100.0, 0.0, -20.0),
+    );
+    near(
+        rally.destination(at(10.0, 60.0), Vector3::zeros()),
+        Vector3::new(0.0, 100.0, -25.0),
+    );
+    near(
+        rally.destination(at(40.0, 40.0), Vector3::zeros()),
+        Vector3::zeros(),
+    );
     near(
         rally.nearest(at(40.0, 0.0)).unwrap().position,
         Vector3::new(100.0, 0.0, -20.0),

@@ -10,7 +10,14 @@ const ACCELERATION: f32 = 5.0;
 const REACTION: f32 = 0.3;
 
 fn seen(fence: &Fence, parameters: &FenceParameters, position: Vector3, velocity: Vector3) -> Option<Breach> {
-    fence.watch(parameters, Vector3::zeros(), position, velocity, ACCELERATION, REACTION)
+    fence.watch(
+        parameters,
+        Vector3::zeros(),
+        position,
+        velocity,
+        ACCELERATION,
+        REACTION,
+    )
 }
 
 fn limits(distance_max: f32, altitude_max: f32) -> FenceParameters {
