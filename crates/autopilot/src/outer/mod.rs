@@ -292,12 +292,14 @@ impl Outer {
         } else {
             p.disarm_ground
         };
-        let rising = self.look(snapshot);
-        let facts = Facts {
+        let available = available(&self.conditions());
+        let lost = armed && !available.contains(self.supervisor.mode());
+        let rising = self.look(snapshot, lost);
+        let mut facts = Facts {
             stopped: snapshot.stopped.is_some() || self.switches.kill,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
-            available: available(&self.conditions()),
+            available,
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
             rising,
@@ -326,13 +328,18 @@ impl Outer {
         }
     }
 
-    /// Looks at what is watched, when it is time; the rows that have become active.
-    fn look(&mut self, snapshot: &Snapshot) -> RowSet {
-        if !self.watch.step(snapshot, self.cos_tilt) {
+    /// Looks at what is watched, when it is time; the rows that have become active. A mode that has
+    /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
+    /// would not see it any more.
+    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> RowSet {
+        let due = self.watch.step(snapshot, self.cos_tilt);
+        if !due && !lost {
             return RowSet::default();
         }
-        self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
-        if self.looks == 0 {
+        if due {
+            self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
+        }
+        if due && self.looks == 0 {
             self.look_around();
         }
         let interrupted = self.supervisor.interrupted();
