@@ -87,6 +87,7 @@ impl Outer {
             .order(order, facts, &self.actions)
             .map_err(|denied| self.why(denied))?;
         if let Order::Fly(mode) = order {
+            self.ordered = true;
             (self.modes.target, self.modes.takeoff) = (None, (None, None));
             if mode == before {
                 // Asked for again: from its beginning.

@@ -61,6 +61,8 @@ pub struct Outer {
     next: Option<Mode>,
     contact: bool,
     blockers: Blockers,
+    /// Whether a mode was ordered in this step.
+    ordered: bool,
     remote: Remote,
     switches: Events,
     setpoints: Setpoints,
@@ -100,6 +102,7 @@ impl Outer {
             contact: false,
             blockers: Blockers::default(),
             remote: Remote::default(),
+            ordered: false,
             switches: Events::default(),
             setpoints: Setpoints::default(),
             battery: Battery::default(),
@@ -309,7 +312,17 @@ impl Outer {
         self.supervisor.step(&facts, &self.actions);
         self.follow(phase, facts.stopped, &mut report.events);
     }
+        self.ordered = false;
 
+        if self.ordered {
+            // What the operator has just chosen stays, whatever was to follow what flew until now.
+            facts.next = None;
+        }
+        if !armed && self.supervisor.phase() != Phase::Disarmed {
+            // What was wrong before the vehicle was armed is not what is wrong with this flight.
+            facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
+            facts.rising = RowSet::default();
+        }
     /// What a change of phase brings along.
     fn follow(&mut self, before: Phase, stopped: bool, events: &mut MissionEvents) {
         let phase = self.supervisor.phase();
