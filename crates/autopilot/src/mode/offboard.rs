@@ -94,6 +94,11 @@ impl Setpoints {
         }
     }
 
+    /// The newest, however old.
+    pub fn newest(&self) -> Option<&Outside> {
+        self.newest.as_ref()
+    }
+
     /// The newest, if it is not older than `most` seconds.
     pub fn fresh(&self, most: f32) -> Option<&Outside> {
         self.newest.as_ref().filter(|_| self.age as f32 * 1e-6 <= most)

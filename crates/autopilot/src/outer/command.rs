@@ -315,9 +315,9 @@ impl Outer {
             )
     }
 
-    /// What a mode relies on.
+    /// What a mode relies on; offboard, what the last setpoint did, also when it has grown old.
     pub(super) fn needs(&self, mode: Mode) -> Needs {
-        let needs_position = !matches!(self.fresh_setpoint(), Some(crate::mode::Outside::Attitude(_)));
+        let needs_position = !matches!(self.setpoints.newest(), Some(crate::mode::Outside::Attitude(_)));
         Needs::of(mode, needs_position)
     }
 }
