@@ -166,6 +166,8 @@ impl MissionExecutor {
         self.path = Path::at(position);
         self.next = None;
         if matches!(self.current.kind, NavKind::Start { .. }) || matches!(self.state, State::Finished(_)) {
+            let landed = around.estimate.landed;
+            self.current.kind = NavKind::Start { landed };
             self.current.target = position;
             return;
         }

@@ -33,7 +33,7 @@ impl Mission {
         events: &mut MissionEvents,
     ) -> Step {
         let Some(surroundings) = surroundings(around) else {
-            return Step::of(Demand::Rest);
+            return self.stay(around);
         };
         if let Some(course) = &mut self.braking {
             let setpoint = course.step(around);
@@ -51,12 +51,12 @@ impl Mission {
             self.braking = None;
         }
         let Some(mission) = mission else {
-            return Step {
-                next: Some(Mode::Hold),
-                ..Step::of(Demand::Rest)
-            };
+            return self.stay(around);
         };
-        if mission.waits_on_ground() {
+        if around.landed && mission.waits_on_ground() {
+            if mission.is_none() {
+                return self.stay(around);
+            }
             // The first step plans; the vehicle stands meanwhile.
             mission.step(&surroundings, around.dt, events);
             return Step::of(Demand::Rest);
@@ -77,6 +77,20 @@ fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option
         frame: around.frame?,
         home: around.home,
         parameters: &around.parameters.mission,
+
+    /// There is nothing to fly to: stays where it is, and hold goes on with that.
+    fn stay<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
+        let demand = if around.landed {
+            Demand::Rest
+        } else {
+            let rest = Course::new(&around.at_rest(), &[]);
+            Demand::Follow(self.braking.get_or_insert(rest).step(around))
+        };
+        Step {
+            next: Some(Mode::Hold),
+            ..Step::of(demand)
+        }
+    }
         estimate: MissionEstimate {
             position: around.estimate.position,
             shift: around.shift,

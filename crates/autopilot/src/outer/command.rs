@@ -306,7 +306,7 @@ impl Outer {
             .with(Blocker::PositionUnknown, needs.position && !position)
             .with(
                 Blocker::NoMission,
-                mode == Mode::Mission && self.plans.mission.is_none(),
+                mode == Mode::Mission && !(self.plans.mission.is_some() && self.estimation.frame().is_some()),
             )
             .with(Blocker::NoSetpoint, mode == Mode::Offboard && setpoint)
             .with(

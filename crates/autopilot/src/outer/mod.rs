@@ -262,7 +262,7 @@ impl Outer {
             height: known.height,
             position: self.is_position_known(),
             sticks: self.remote.sticks().is_some(),
-            mission: self.plans.mission.is_some(),
+            mission: self.plans.mission.is_some() && self.estimation.frame().is_some(),
             setpoint: self
                 .fresh_setpoint()
                 .map(|setpoint| !matches!(setpoint, Outside::Attitude(_))),
