@@ -172,6 +172,8 @@ impl MissionExecutor {
             return;
         }
         self.rejoining = match self.state {
+            // It has been there already, on its way through.
+            State::Fly if self.reached => Some(State::Hold(0.0)),
             State::Fly | State::Arrive(_) => self.rejoining,
             State::Settle { item, .. } => Some(State::Settle {
                 item,
@@ -481,7 +483,7 @@ impl MissionExecutor {
     }
 
     fn give_up(&mut self, events: &mut MissionEvents) {
-        if self.current.kind == NavKind::Waypoint {
+        if self.current.kind == NavKind::Waypoint && self.rejoining.is_none() {
             let _ = events.push(MissionEvent::Missed(self.current.item));
         }
     }

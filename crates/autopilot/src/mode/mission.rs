@@ -1,7 +1,7 @@
 //! Mission: brakes from whatever motion there was, then flies the stored items; a mission that was
 //! interrupted goes on at the leg or the stop that was not finished.
 
-use windhover_math::Vector3;
+use windhover_math::{Vector3, min};
 
 use super::course::Course;
 use super::{Around, Demand, Mode, Motion, Step};
@@ -16,10 +16,19 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// From the present motion on.
-    pub fn enter(motion: &Motion) -> Self {
+    /// From the present motion on. From the ground, a mission that goes on does so at the height of its
+    /// leg: nothing is dragged along.
+    pub fn enter<S: ?Sized>(
+        motion: &Motion,
+        around: &Around<'_, S>,
+        interrupted: Option<&MissionExecutor>,
+    ) -> Self {
+        let from = motion.glide.position;
+        let above = interrupted
+            .filter(|_| around.landed)
+            .map(|mission| Vector3::new(from.x, from.y, min(mission.leg_end().z, from.z)));
         Self {
-            braking: Some(Course::new(motion, &[])),
+            braking: Some(Course::new(motion, above.as_slice())),
         }
     }
 
@@ -48,15 +57,15 @@ impl Mission {
                 course.position(),
                 setpoint.heading,
             );
+            if mission.is_none() {
+                return self.stay(around);
+            }
             self.braking = None;
         }
         let Some(mission) = mission else {
             return self.stay(around);
         };
         if around.landed && mission.waits_on_ground() {
-            if mission.is_none() {
-                return self.stay(around);
-            }
             // The first step plans; the vehicle stands meanwhile.
             mission.step(&surroundings, around.dt, events);
             return Step::of(Demand::Rest);
@@ -68,15 +77,6 @@ impl Mission {
             ..Step::of(Demand::Follow(setpoint))
         }
     }
-}
-
-/// What the executor is told.
-fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option<Surroundings<'a, S>> {
-    Some(Surroundings {
-        source: around.source,
-        frame: around.frame?,
-        home: around.home,
-        parameters: &around.parameters.mission,
 
     /// There is nothing to fly to: stays where it is, and hold goes on with that.
     fn stay<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
@@ -91,6 +91,15 @@ fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option
             ..Step::of(demand)
         }
     }
+}
+
+/// What the executor is told.
+fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option<Surroundings<'a, S>> {
+    Some(Surroundings {
+        source: around.source,
+        frame: around.frame?,
+        home: around.home,
+        parameters: &around.parameters.mission,
         estimate: MissionEstimate {
             position: around.estimate.position,
             shift: around.shift,

@@ -404,6 +404,8 @@ impl Modes {
 
     fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
         let motion = self.motion.unwrap_or_else(|| around.at_rest());
+        // For this mode, or for none: no later hold goes there.
+        let target = self.target.take();
         match mode {
             Mode::Stabilize => Active::Stabilize(stabilize::Stabilize::enter(&motion)),
             Mode::Altitude => Active::Altitude(altitude::AltitudeHold::enter(&motion)),
@@ -412,11 +414,8 @@ impl Modes {
                 let (altitude, heading) = core::mem::take(&mut self.takeoff);
                 Active::Takeoff(takeoff::Takeoff::enter(&motion, around, altitude, heading))
             }
-            Mode::Hold => {
-                let target = self.target.take();
-                Active::Hold(hold::Hold::enter(&motion, around, target.as_ref()))
-            }
-            Mode::Mission => Active::Mission(mission::Mission::enter(&motion)),
+            Mode::Hold => Active::Hold(hold::Hold::enter(&motion, around, target.as_ref())),
+            Mode::Mission => Active::Mission(mission::Mission::enter(&motion, around, self.mission.as_ref())),
             Mode::Return => Active::Return(return_home::Return::enter(&motion, around)),
             Mode::Land => Active::Land(land::Land::enter(&motion)),
             Mode::Offboard => Active::Offboard(offboard::Offboard::enter(&motion)),
