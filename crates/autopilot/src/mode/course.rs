@@ -68,7 +68,7 @@ impl Course {
     /// The next step.
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> TrajectorySetpoint {
         let p = &around.parameters.mission;
-        let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
+        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
         let rate = p.rate(behind);
         self.heading.step(
             self.heading_target,

@@ -102,7 +102,7 @@ fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option
         parameters: &around.parameters.mission,
         estimate: MissionEstimate {
             position: around.estimate.position,
-            shift: around.shift,
+            shift: around.handover.position,
             velocity: around.estimate.velocity,
             landed: around.landed,
         },

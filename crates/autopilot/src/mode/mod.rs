@@ -22,9 +22,10 @@ mod tilt;
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{Quaternion, Vector3};
+use windhover_math::{Quaternion, Vector3, wrap_pi};
 
 use crate::estimation::Estimate;
+use crate::estimation::handover::Handover;
 use crate::fence::Rally;
 use crate::mission::action::{Altitude, Place};
 use crate::mission::route::Stored;
@@ -106,9 +107,9 @@ pub struct Around<'a, S: ?Sized> {
     pub parameters: &'a Parameters,
     /// What is believed of the vehicle.
     pub estimate: &'a Estimate,
-    /// How far control leads the vehicle from the setpoint meanwhile, NED, m: not 0 after a step of
-    /// the estimate (see [`crate::estimation::handover`]).
-    pub shift: Vector3,
+    /// How far control leads the vehicle from the setpoint meanwhile: not at all, but after a step of
+    /// the estimate.
+    pub handover: &'a Handover,
     /// Acceleration that the rotors give over what the parameters say.
     pub thrust_scale: f32,
     /// The local frame, once there is one.
@@ -136,7 +137,7 @@ pub struct Around<'a, S: ?Sized> {
 impl<S: ?Sized> Around<'_, S> {
     /// The motion of a vehicle that stands where it is believed to stand.
     pub fn at_rest(&self) -> Motion {
-        Motion::at_rest(self.estimate)
+        Motion::at_rest(self.estimate, self.handover)
     }
 
     /// How far down an altitude is, m from the origin.
@@ -184,26 +185,26 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Standing at the estimate, upright.
-    pub fn at_rest(estimate: &Estimate) -> Self {
-        let heading = estimate.attitude.heading();
+    /// Standing at the estimate, upright: where control would lead it from there is taken off.
+    pub fn at_rest(estimate: &Estimate, handover: &Handover) -> Self {
+        let heading = wrap_pi(estimate.attitude.heading() - handover.heading);
         Self {
-            glide: Glide::at(estimate.position),
+            glide: Glide::at(estimate.position - handover.position),
             heading: HeadingSlew { heading, rate: 0.0 },
             attitude: Quaternion::from_heading(heading),
         }
     }
 
-    /// Moving as the estimate does.
-    pub fn of(estimate: &Estimate) -> Self {
-        let heading = estimate.attitude.heading();
+    /// Moving as the estimate does, and as control sees that.
+    pub fn of(estimate: &Estimate, handover: &Handover) -> Self {
+        let rest = Self::at_rest(estimate, handover);
         Self {
             glide: Glide {
-                velocity: estimate.velocity,
-                ..Glide::at(estimate.position)
+                velocity: estimate.velocity - handover.velocity,
+                ..rest.glide
             },
-            heading: HeadingSlew { heading, rate: 0.0 },
             attitude: estimate.attitude,
+            ..rest
         }
     }
 }
@@ -359,12 +360,12 @@ impl Modes {
         if mode == Mode::Mission && step.next.is_some() {
             (self.mission, self.first_item) = (None, 0);
         }
-        self.remember(&step.demand, around.estimate);
+        self.remember(&step.demand, around.estimate, around.handover);
         step
     }
 
     /// Keeps what is commanded for the next mode.
-    fn remember(&mut self, demand: &Demand, estimate: &Estimate) {
+    fn remember(&mut self, demand: &Demand, estimate: &Estimate, handover: &Handover) {
         self.motion = match demand {
             Demand::Rest => None,
             Demand::Follow(point) => Some(Motion {
@@ -384,7 +385,7 @@ impl Modes {
                 heading_rate,
                 point,
             } => {
-                let mut motion = Motion::of(estimate);
+                let mut motion = Motion::of(estimate, handover);
                 motion.glide.position.z = point.position.z;
                 motion.glide.velocity.z = point.velocity.z;
                 motion.glide.acceleration.z = point.acceleration.z;
@@ -397,15 +398,15 @@ impl Modes {
             }
             Demand::Attitude(setpoint) => Some(Motion {
                 attitude: setpoint.attitude,
-                ..Motion::of(estimate)
+                ..Motion::of(estimate, handover)
             }),
         };
     }
 
     fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
-        let motion = self.motion.unwrap_or_else(|| around.at_rest());
         // For this mode, or for none: no later hold goes there.
         let target = self.target.take();
+        let motion = self.motion.unwrap_or_else(|| around.at_rest());
         match mode {
             Mode::Stabilize => Active::Stabilize(stabilize::Stabilize::enter(&motion)),
             Mode::Altitude => Active::Altitude(altitude::AltitudeHold::enter(&motion)),

@@ -161,7 +161,7 @@ impl Offboard {
             *self = Self::enter(&around.at_rest());
             return Step::of(Demand::Rest);
         }
-        let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
+        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
         let rate = around.parameters.mission.rate(behind);
         let jerk = self.glide.step(wanted, &limits, rate, around.seconds);
         self.turn(guidance, around);

@@ -419,7 +419,7 @@ impl Outer {
         let around = Around {
             parameters: &self.parameters,
             estimate: self.estimation.estimate(),
-            shift: self.estimation.handover().position,
+            handover: self.estimation.handover(),
             thrust_scale: self.thrust_scale.scale(),
             frame: self.estimation.frame(),
             home: self.home,
