@@ -316,7 +316,6 @@ impl Modes {
     /// The next start of a mission is one from its beginning, or from `first_item`.
     pub fn forget_mission(&mut self) {
         self.mission = None;
-        self.reenter();
     }
 
     /// The mode is entered anew at the next step, from the motion there is.
@@ -404,9 +403,9 @@ impl Modes {
     }
 
     fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
+        let motion = self.motion.unwrap_or_else(|| around.at_rest());
         // For this mode, or for none: no later hold goes there.
         let target = self.target.take();
-        let motion = self.motion.unwrap_or_else(|| around.at_rest());
         match mode {
             Mode::Stabilize => Active::Stabilize(stabilize::Stabilize::enter(&motion)),
             Mode::Altitude => Active::Altitude(altitude::AltitudeHold::enter(&motion)),

@@ -50,8 +50,8 @@ impl Outer {
         events: &mut MissionEvents,
     ) -> Result<(), Why> {
         match command {
-            Command::Arm => self.arm(facts, false),
-            Command::ForceArm => self.arm(facts, true),
+            Command::Arm => self.arm(source, facts, false),
+            Command::ForceArm => self.arm(source, facts, true),
             Command::Disarm => self.order(Order::Disarm, facts),
             Command::Fly(Mode::Mission) => self.start_mission(None, source, facts),
             Command::Fly(mode) => self.order(Order::Fly(*mode), facts),
@@ -112,12 +112,27 @@ impl Outer {
     }
 
     /// Arms: home is here from now on.
-    fn arm(&mut self, facts: &Facts, force: bool) -> Result<(), Why> {
+    fn arm<S: MissionSource + ?Sized>(&mut self, source: &S, facts: &Facts, force: bool) -> Result<(), Why> {
         let was = self.supervisor.phase();
         if was == Phase::Disarmed {
             self.blockers = self.find_blockers(facts.stopped);
         }
         let blocked = !self.blockers.is_empty();
+        let estimate = self.estimation.estimate();
+        let home = if estimate.known.position && !self.home_is_set {
+            estimate.position
+        } else {
+            self.home
+        };
+        if was == Phase::Disarmed
+            && !force
+            && self.supervisor.mode() == Mode::Mission
+            && self.blockers.is_empty()
+            && let Some(frame) = self.estimation.frame()
+        {
+            // It may have been stored, or the fence, after it was chosen; and home is here only now.
+            self.plans.check_mission(source, frame, home, &self.parameters)?;
+        }
         let order = if force {
             Order::ForceArm
         } else {
@@ -127,9 +142,7 @@ impl Outer {
         if was == Phase::Disarmed {
             self.stand();
             self.watch.restart();
-            if self.estimation.estimate().known.position && !self.home_is_set {
-                self.home = self.estimation.estimate().position;
-            }
+            self.home = home;
         }
         Ok(())
     }
@@ -187,6 +200,7 @@ impl Outer {
         }
         self.order(Order::Fly(Mode::Mission), facts)
     }
+            self.modes.reenter();
 
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
         finite(speed)?;
@@ -226,9 +240,9 @@ impl Outer {
         commit: &crate::queue::MissionCommit,
         source: &S,
     ) -> Result<(), Why> {
-        let flown = kind == PlanKind::Mission && self.modes.mission().is_some();
-        if flown && self.supervisor.phase() != Phase::Disarmed {
-            if self.supervisor.mode() == Mode::Mission {
+        if kind == PlanKind::Mission && self.supervisor.phase() != Phase::Disarmed {
+            let mode = self.supervisor.mode();
+            if mode == Mode::Mission || self.supervisor.interrupted() == Some(Mode::Mission) {
                 return Err(Why::InFlight);
             }
             // What was interrupted is not there any more.
