@@ -172,7 +172,10 @@ impl Outer {
             return Err(Why::NotANumber);
         }
         self.order(Order::Fly(Mode::Hold), facts)?;
-        self.modes.target = Some(*target);
+        self.modes.target = Some(Target {
+            speed: target.speed.filter(|speed| *speed > 0.0),
+            ..*target
+        });
         Ok(())
     }
 
@@ -197,10 +200,10 @@ impl Outer {
             self.modes.first_item = first;
             self.modes.forget_mission();
             return Ok(());
+            self.modes.reenter();
         }
         self.order(Order::Fly(Mode::Mission), facts)
     }
-            self.modes.reenter();
 
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
         finite(speed)?;
