@@ -106,6 +106,7 @@ impl Outer {
             Denied::Blocked => Why::Blocked(self.blockers),
             Denied::InFlight => Why::InFlight,
             Denied::OnGround => Why::OnGround,
+            Denied::Unavailable(Mode::Descend) => Why::FailsafeOnly,
             Denied::Unavailable(mode) => Why::Blocked(self.missing(mode)),
             Denied::Failsafe(row) => Why::Failsafe(row),
         }
@@ -117,7 +118,6 @@ impl Outer {
         if was == Phase::Disarmed {
             self.blockers = self.find_blockers(facts.stopped);
         }
-        let blocked = !self.blockers.is_empty();
         let estimate = self.estimation.estimate();
         let home = if estimate.known.position && !self.home_is_set {
             estimate.position
@@ -133,6 +133,7 @@ impl Outer {
             // It may have been stored, or the fence, after it was chosen; and home is here only now.
             self.plans.check_mission(source, frame, home, &self.parameters)?;
         }
+        let blocked = !self.blockers.is_empty();
         let order = if force {
             Order::ForceArm
         } else {
@@ -199,8 +200,8 @@ impl Outer {
             self.order(Order::Fly(Mode::Mission), facts)?;
             self.modes.first_item = first;
             self.modes.forget_mission();
-            return Ok(());
             self.modes.reenter();
+            return Ok(());
         }
         self.order(Order::Fly(Mode::Mission), facts)
     }

@@ -196,7 +196,7 @@ impl Outer {
         self.cos_tilt = result.setpoint.attitude.cos_tilt();
         result.motors = self.motors(&step.demand);
         result.tick = snapshot.tick;
-        self.tell(&step, result);
+        self.tell(&step, snapshot, result);
     }
 
     /// Time since the last snapshot, µs.
@@ -470,7 +470,7 @@ impl Outer {
     }
 
     /// Writes what follows from the state after the step.
-    fn tell(&mut self, step: &Step, result: &mut OuterResult) {
+    fn tell(&mut self, step: &Step, snapshot: &Snapshot, result: &mut OuterResult) {
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
@@ -479,7 +479,7 @@ impl Outer {
         report.phase = self.supervisor.phase();
         report.mode = self.supervisor.mode();
         report.failsafe = self.supervisor.acting();
-        report.active = self.watch.active();
+        report.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
         report.blockers = self.blockers;
         report.estimate = *estimate;
         report.origin = self.estimation.frame().map(LocalFrame::origin);
