@@ -14,7 +14,7 @@ use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::PositionController;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{GRAVITY, Vector3, sqrt};
+use windhover_math::{GRAVITY, Vector3, min, sqrt};
 
 use crate::battery::Battery;
 use crate::blocker::Blockers;
@@ -57,12 +57,14 @@ pub struct Outer {
     home_is_set: bool,
     /// How long an armed vehicle stands on the ground, s.
     on_ground: f32,
+    /// Whether the motors idled at the last step.
+    idles: bool,
     /// What the mode gave at the last step.
     next: Option<Mode>,
-    contact: bool,
-    blockers: Blockers,
     /// Whether a mode was ordered in this step.
     ordered: bool,
+    contact: bool,
+    blockers: Blockers,
     remote: Remote,
     switches: Events,
     setpoints: Setpoints,
@@ -98,11 +100,12 @@ impl Outer {
             home: Vector3::zeros(),
             home_is_set: false,
             on_ground: 0.0,
+            idles: true,
             next: None,
+            ordered: false,
             contact: false,
             blockers: Blockers::default(),
             remote: Remote::default(),
-            ordered: false,
             switches: Events::default(),
             setpoints: Setpoints::default(),
             battery: Battery::default(),
@@ -192,6 +195,7 @@ impl Outer {
         let step = self.fly(source, dt, &mut result.report.events);
         self.next = step.next;
         self.contact = step.contact;
+        self.count_idling(&step.demand);
         result.setpoint = self.control(&step, snapshot, dt);
         self.cos_tilt = result.setpoint.attitude.cos_tilt();
         result.motors = self.motors(&step.demand);
@@ -308,12 +312,8 @@ impl Outer {
             rising,
         };
         let report = &mut result.report;
-        self.commands(snapshot, source, &facts, &mut report.events, &mut report.refusals);
-        self.supervisor.step(&facts, &self.actions);
-        self.follow(phase, facts.stopped, &mut report.events);
-    }
         self.ordered = false;
-
+        self.commands(snapshot, source, &facts, &mut report.events, &mut report.refusals);
         if self.ordered {
             // What the operator has just chosen stays, whatever was to follow what flew until now.
             facts.next = None;
@@ -323,6 +323,25 @@ impl Outer {
             facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
             facts.rising = RowSet::default();
         }
+        self.supervisor.step(&facts, &self.actions);
+        self.follow(phase, facts.stopped, &mut report.events);
+    }
+
+    /// A vehicle that begins to lift has its time to do so before it is disarmed for standing there.
+    fn count_idling(&mut self, demand: &Demand) {
+        let idles = *demand == Demand::Rest;
+        if self.idles && !idles {
+            let armed = self.supervisor.phase() == Phase::Armed;
+            let spool_up = if armed {
+                self.parameters.safety.spool_up
+            } else {
+                0.0
+            };
+            self.on_ground = min(self.on_ground, spool_up);
+        }
+        self.idles = idles;
+    }
+
     /// What a change of phase brings along.
     fn follow(&mut self, before: Phase, stopped: bool, events: &mut MissionEvents) {
         let phase = self.supervisor.phase();
