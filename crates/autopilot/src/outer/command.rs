@@ -287,8 +287,14 @@ impl Outer {
                 Blocker::CompassUncalibrated,
                 needs.position && uncalibrated(p.calibration.compass_id),
             )
-            .with(Blocker::CompassFault, needs.position && self.estimation.is_compass_lost())
-            .with(Blocker::BarometerFault, needs.height && self.estimation.is_barometer_lost())
+            .with(
+                Blocker::CompassFault,
+                needs.position && self.estimation.is_compass_lost(),
+            )
+            .with(
+                Blocker::BarometerFault,
+                needs.height && self.estimation.is_barometer_lost(),
+            )
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
             .with(Blocker::RcLost, self.remote.is_lost())
