@@ -2,10 +2,12 @@
 
 mod action;
 mod check;
+mod flight;
 mod inner;
 mod inner_motion;
 mod lag;
 mod outer;
+mod outer_modes;
 mod walk;
 mod walk_random;
 
