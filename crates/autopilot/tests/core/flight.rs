@@ -40,6 +40,8 @@ pub struct Flight {
     pub attitude: Quaternion,
     pub thrust: f32,
     pub stopped: Option<Stop>,
+    /// Ticks of each step that have no sample.
+    pub missing: u16,
     /// Whether somebody outside says where the vehicle is.
     pub seen: bool,
     pub inputs: OuterInputs,
@@ -69,6 +71,7 @@ impl Flight {
             attitude: Quaternion::IDENTITY,
             thrust: 0.0,
             stopped: None,
+            missing: 0,
             seen: true,
             inputs: OuterInputs::default(),
             steady: Steady::default(),
@@ -136,6 +139,7 @@ impl Flight {
                 thrust: self.thrust * DT,
                 duration: DT,
                 ticks: 4,
+                missing: self.missing,
                 ..Increments::default()
             },
             stopped: self.stopped,
@@ -173,7 +177,9 @@ impl Flight {
             force = -gravity;
             self.velocity = Vector3::zeros();
             self.position.z = 0.0;
-            self.attitude = Quaternion::from_heading(self.attitude.heading());
+            if self.result.motors != MotorState::Disarmed {
+                self.attitude = Quaternion::from_heading(self.attitude.heading());
+            }
         }
         self.velocity += (force + gravity) * DT;
         self.position += self.velocity * DT;

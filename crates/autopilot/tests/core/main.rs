@@ -7,6 +7,7 @@ mod inner;
 mod inner_motion;
 mod lag;
 mod outer;
+mod outer_arming;
 mod outer_modes;
 mod walk;
 mod walk_random;
