@@ -8,6 +8,8 @@ mod inner_motion;
 mod lag;
 mod outer;
 mod outer_arming;
+mod outer_bumpless;
+mod outer_interrupted;
 mod outer_modes;
 mod walk;
 mod walk_random;
