@@ -467,3 +467,36 @@ pub fn available(conditions: &Conditions) -> ModeSet {
         set.with(mode, is)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If this failed, a mode that is entered from level flight would begin with a leap, as far as the
+    /// estimate has stepped.
+    #[test]
+    fn a_motion_begins_where_control_leads_the_vehicle() {
+        let estimate = Estimate {
+            position: Vector3::new(10.0, -20.0, -30.0),
+            velocity: Vector3::new(1.0, 2.0, -0.5),
+            attitude: Quaternion::from_heading(3.0),
+            ..Estimate::default()
+        };
+        let handover = Handover {
+            position: Vector3::new(8.0, 1.0, -2.0),
+            velocity: Vector3::new(0.3, 0.0, 0.0),
+            heading: -0.4,
+        };
+        for motion in [
+            Motion::of(&estimate, &handover),
+            Motion::at_rest(&estimate, &handover),
+        ] {
+            let heading = (motion.heading.heading, 0.0);
+            let led = handover.shifted(&motion.glide.setpoint(Vector3::zeros(), 1.0, heading));
+            assert!((led.position - estimate.position).amax() < 1e-5);
+            assert!(wrap_pi(led.heading - 3.0).abs() < 1e-5);
+        }
+        let motion = Motion::of(&estimate, &handover);
+        assert_eq!(motion.glide.velocity, Vector3::new(0.7, 2.0, -0.5));
+    }
+}

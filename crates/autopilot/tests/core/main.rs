@@ -9,6 +9,7 @@ mod lag;
 mod outer;
 mod outer_arming;
 mod outer_bumpless;
+mod outer_commands;
 mod outer_interrupted;
 mod outer_modes;
 mod walk;
