@@ -263,3 +263,10 @@ pub fn commit(kind: PlanKind, count: usize) -> Command {
         },
     )
 }
+
+/// A receiver's frame; sticks in the middle and throttle low.
+pub fn frame(kill: u16) -> RcFrame {
+    let mut channels = [1500; 16];
+    (channels[2], channels[4], channels[6]) = (1000, 1000, kill);
+    RcFrame { channels }
+}

@@ -8,6 +8,7 @@ mod inner_motion;
 mod lag;
 mod outer;
 mod outer_arming;
+mod outer_blockers;
 mod outer_bumpless;
 mod outer_commands;
 mod outer_interrupted;

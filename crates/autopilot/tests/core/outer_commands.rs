@@ -8,8 +8,7 @@ use windhover_autopilot::{Command, Mode, MotorState, Phase, Row, Sticks, Stop, U
 use windhover_control::TrajectorySetpoint;
 use windhover_math::Vector3;
 
-use super::flight::Flight;
-use super::outer_arming::frame;
+use super::flight::{Flight, frame};
 use super::{HOME, item, waypoint};
 
 fn place(altitude: Altitude) -> Place {

@@ -211,7 +211,9 @@ fn a_mission_without_a_way_stays_where_it_is() {
     let mut flight = Flight::with_mission(&items).hovering(8.0);
     let place = flight.position;
     let last = items.len() as u16 - 1;
-    let _ = flight.command(Command::StartMission(last));
+    let weight = flight.mass() * windhover_math::GRAVITY;
+    let thrust = flight.command(Command::StartMission(last)).setpoint.thrust;
+    assert!(thrust > 0.9 * weight, "{thrust} N");
     assert!(least_thrust(&mut flight, 1.0) > 0.9);
     assert_eq!(flight.report().mode, Mode::Hold);
     assert!(scalar::norm(flight.position - place) < 0.1);
