@@ -1,6 +1,8 @@
 //! Flights in which something goes wrong: what is injected, what follows, and where it ends.
 
-use windhover_autopilot::{InnerInput, Mode, MotorCommand, OuterResult, Phase, Row, ScheduleRecord, Snapshot};
+use windhover_autopilot::{
+    InnerInput, Mode, MotorCommand, OuterResult, Phase, Row, ScheduleRecord, Snapshot,
+};
 use windhover_math::Vector3;
 use windhover_model::Truth;
 use windhover_sim::closed_loop::{ClosedLoop, Recorder};
@@ -89,7 +91,10 @@ impl Story {
 
     /// Horizontal distance of the end from a place, m.
     pub fn ended_at(&self, north: f64, east: f64) -> f64 {
-        let end = self.end.as_ref().map_or_else(Vector3::zeros, |truth| truth.position);
+        let end = self
+            .end
+            .as_ref()
+            .map_or_else(Vector3::zeros, |truth| truth.position);
         libm::hypot(end.x - north, end.y - east)
     }
 }

@@ -3,9 +3,7 @@
 //! Position and attitude come in true from outside, at every outer step: what is seen in the motor
 //! commands besides the setpoints is the gyro's.
 
-use windhover_autopilot::{
-    Command, Imu, ImuCounts, Inner, InnerInput, Mailboxes, Mode, MotorCommand, Outer,
-};
+use windhover_autopilot::{Command, Imu, ImuCounts, Inner, InnerInput, Mailboxes, Mode, MotorCommand, Outer};
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
 use windhover_model::World;

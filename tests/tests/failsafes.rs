@@ -117,7 +117,13 @@ fn parameter(flown: &mut ClosedLoop, name: &str, value: f32) {
 fn cases() -> Vec<Case> {
     use End::{Completed, Home, MotorsOff, Somewhere};
     vec![
-        case(Row::ImuMissing, faulty(&["imu-dropout@40"]), 0.03, None, MotorsOff),
+        case(
+            Row::ImuMissing,
+            faulty(&["imu-dropout@40"]),
+            0.03,
+            None,
+            MotorsOff,
+        ),
         Case {
             at: 14.0,
             meddle: |flown, time| flown.dead_rotor = (time > 14.0).then_some(0),
@@ -180,8 +186,20 @@ fn cases() -> Vec<Case> {
             Some(Mode::Land),
             Somewhere,
         ),
-        case(Row::BatteryEmergency, sagging(0.50), 12.0, Some(Mode::Land), Somewhere),
-        case(Row::BatteryCritical, sagging(0.73), 12.0, Some(Mode::Return), Home),
+        case(
+            Row::BatteryEmergency,
+            sagging(0.50),
+            12.0,
+            Some(Mode::Land),
+            Somewhere,
+        ),
+        case(
+            Row::BatteryCritical,
+            sagging(0.73),
+            12.0,
+            Some(Mode::Return),
+            Home,
+        ),
         case(Row::BatteryLow, sagging(0.85), 12.0, None, Completed),
         Case {
             at: 0.0,
@@ -278,7 +296,13 @@ fn cases() -> Vec<Case> {
             Some(Mode::Return),
             Home,
         ),
-        case(Row::GnssLost, faulty(&["gnss-dropout@40,6"]), 2.0, None, Completed),
+        case(
+            Row::GnssLost,
+            faulty(&["gnss-dropout@40,6"]),
+            2.0,
+            None,
+            Completed,
+        ),
         Case {
             meddle: |flown, time| {
                 if once(time, AT) {
@@ -327,23 +351,37 @@ fn judge(case: &Case, story: &Story) -> Result<String, String> {
         return Err(format!("acts after {after:.2} s, at most {} s", case.within));
     }
     if let Some(mode) = case.mode {
-        let flew = story.flew(mode, turn.time).ok_or(format!("{mode:?} does not fly"))?;
+        let flew = story
+            .flew(mode, turn.time)
+            .ok_or(format!("{mode:?} does not fly"))?;
         if flew.time > turn.time + 0.01 {
-            return Err(format!("{mode:?} flies only {:.2} s later", flew.time - turn.time));
+            return Err(format!(
+                "{mode:?} flies only {:.2} s later",
+                flew.time - turn.time
+            ));
         }
     }
     let home = story.ended_at(0.0, 0.0);
     let good = match case.end {
         End::Home => story.landed() && home < 1.0,
         End::Somewhere => story.landed(),
-        End::MotorsOff => story.turns.last().is_some_and(|turn| turn.phase == windhover_autopilot::Phase::Disarmed),
+        End::MotorsOff => story
+            .turns
+            .last()
+            .is_some_and(|turn| turn.phase == windhover_autopilot::Phase::Disarmed),
         End::Completed => story.landed() && story.finished && story.photos == 2,
     };
     if !good {
-        return Err(format!("does not end as {:?}: {home:.1} m from home, {:?}", case.end, story.crash));
+        return Err(format!(
+            "does not end as {:?}: {home:.1} m from home, {:?}",
+            case.end, story.crash
+        ));
     }
     let mode = case.mode.map_or("-", Mode::name);
-    Ok(format!("{after:8.2} s  {mode:10} {:?}, {home:.1} m from home", case.end))
+    Ok(format!(
+        "{after:8.2} s  {mode:10} {:?}, {home:.1} m from home",
+        case.end
+    ))
 }
 
 /// If this failed for a row, that fault would go unnoticed, or be answered late or wrongly.
@@ -356,10 +394,27 @@ fn every_row_of_the_table_in_flight() {
     let stories: Vec<(String, Result<String, String>, Story)> = cases
         .into_par_iter()
         .map(|case| {
-            if std::env::var("ROW").is_ok_and(|row| row != case.row.watched().name) { return (String::new(), Ok(String::new()), Story::default()); }
+            if std::env::var("ROW").is_ok_and(|row| row != case.row.watched().name) {
+                return (String::new(), Ok(String::new()), Story::default());
+            }
             let mut next = 0.0;
-            let story = fly(&case.setup, &case.mission, |flown, time| { (case.meddle)(flown, time);
-              if std::env::var("ROW").is_ok() && time > next { next = time + 1.0; let t = flown.world.truth(); let e = flown.outer().estimation().estimate(); println!("{time:.1} truth {:.2?} v {:.2?} est {:.2?} v {:.2?} tilt {:.1} est {:.1} landed", t.position.as_slice(), t.velocity.as_slice(), e.position.as_slice(), e.velocity.as_slice(), libm::acos(t.attitude.cos_tilt()).to_degrees(), e.attitude.cos_tilt().acos().to_degrees()); } });
+            let story = fly(&case.setup, &case.mission, |flown, time| {
+                (case.meddle)(flown, time);
+                if std::env::var("ROW").is_ok() && time > next {
+                    next = time + 1.0;
+                    let t = flown.world.truth();
+                    let e = flown.outer().estimation().estimate();
+                    println!(
+                        "{time:.1} truth {:.2?} v {:.2?} est {:.2?} v {:.2?} tilt {:.1} est {:.1} landed",
+                        t.position.as_slice(),
+                        t.velocity.as_slice(),
+                        e.position.as_slice(),
+                        e.velocity.as_slice(),
+                        libm::acos(t.attitude.cos_tilt()).to_degrees(),
+                        e.attitude.cos_tilt().acos().to_degrees()
+                    );
+                }
+            });
             let name = case.row.watched().name.to_owned();
             (name, judge(&case, &story), story)
         })
@@ -371,7 +426,17 @@ fn every_row_of_the_table_in_flight() {
             Ok(line) => println!("{name:20} {line}"),
             Err(why) => {
                 println!("{name:20} WRONG: {why}");
-                wrong.push(format!("{name}: {why}\n{:#?}", story.turns.iter().map(|t| format!("{:.2} {:?} {:?} {:?} {:.1}/{:.1}/{:.1}", t.time, t.phase, t.mode, t.failsafe, t.position.x, t.position.y, t.position.z)).collect::<Vec<_>>()));
+                wrong.push(format!(
+                    "{name}: {why}\n{:#?}",
+                    story
+                        .turns
+                        .iter()
+                        .map(|t| format!(
+                            "{:.2} {:?} {:?} {:?} {:.1}/{:.1}/{:.1}",
+                            t.time, t.phase, t.mode, t.failsafe, t.position.x, t.position.y, t.position.z
+                        ))
+                        .collect::<Vec<_>>()
+                ));
             }
         }
     }

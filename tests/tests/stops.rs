@@ -237,10 +237,7 @@ fn a_landed_vehicle_stops_its_motors() {
             .unwrap();
         // Before that the mixer already knows that the ground is there.
         let held = &bench.steps[off - 75..off];
-        assert!(
-            held.iter()
-                .all(|step| step.landed && step.phase == Phase::Flying)
-        );
+        assert!(held.iter().all(|step| step.landed && step.phase == Phase::Flying));
         let level = |step: &windhover_tests::trace::Step| step.attitude_setpoint.attitude.cos_tilt();
         assert!(
             held.iter().all(|step| level(step) > 0.999),

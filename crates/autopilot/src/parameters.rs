@@ -136,7 +136,15 @@ mod tests {
             voltage: 16.0,
             ..Default::default()
         };
-        let gains = [Some(16.8), Some(16.0), Some(14.0), Some(3.0), Some(f32::NAN), None].map(|v| motor.gain(v));
+        let gains = [
+            Some(16.8),
+            Some(16.0),
+            Some(14.0),
+            Some(3.0),
+            Some(f32::NAN),
+            None,
+        ]
+        .map(|v| motor.gain(v));
         assert_eq!(gains, [1.0, 1.0, 16.0 / 14.0, 4.0 / 3.0, 1.0, 1.0]);
         assert_eq!(MotorParameters::default().gain(Some(10.0)), 1.0, "off by default");
     }

@@ -263,6 +263,12 @@ impl Watch {
         self.active.without(before)
     }
 
+    /// A flight begins: what is over is over, without waiting for how long it has been.
+    pub fn settle(&mut self) -> RowSet {
+        self.active = self.active.and(self.last);
+        self.active
+    }
+
     /// The one row that does not wait for a look.
     pub fn with_stop(active: RowSet, stopped: Option<Stop>) -> RowSet {
         active.with(Row::ImuMissing, stopped == Some(Stop::ImuMissing))

@@ -1,8 +1,8 @@
 //! The operator of a desktop flight: arms when nothing speaks against it, takes off, flies the
 //! mission, returns and lands. When a failsafe acts, looks on.
 
-use windhover_autopilot::mission::action::{Action, Altitude, interpret};
 use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::action::{Action, Altitude, interpret};
 use windhover_autopilot::{Command, Mode, Phase};
 
 use crate::closed_loop::ClosedLoop;
@@ -79,8 +79,8 @@ impl Operator {
     /// Calls a vehicle back that does not come by itself; where it cannot return, it lands.
     fn call_back(&mut self, flown: &mut ClosedLoop, time: f64) {
         let supervisor = flown.outer().supervisor();
-        let stays = supervisor.phase() == Phase::Flying
-            && matches!(supervisor.mode(), Mode::Hold | Mode::Altitude);
+        let stays =
+            supervisor.phase() == Phase::Flying && matches!(supervisor.mode(), Mode::Hold | Mode::Altitude);
         if !stays {
             self.stays_since = None;
         } else if time - *self.stays_since.get_or_insert(time) > PATIENCE {

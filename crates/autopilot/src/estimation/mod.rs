@@ -286,7 +286,8 @@ impl Estimation {
 
     /// Whether a compass that was heard of is not to be relied on.
     pub fn is_compass_lost(&self) -> bool {
-        self.filter().is_some_and(|filter| self.aiding.is_compass_lost(filter))
+        self.filter()
+            .is_some_and(|filter| self.aiding.is_compass_lost(filter))
     }
 
     /// Whether a barometer that was heard of is not relied on any more.
@@ -464,7 +465,9 @@ fn believed(filter: &Filter, parameters: &EstimationParameters, aiding: &Aiding)
         known: Known {
             attitude,
             heading,
-            height: attitude && accuracy.vertical < parameters.position_error_max && is_height_measured(filter),
+            height: attitude
+                && accuracy.vertical < parameters.position_error_max
+                && is_height_measured(filter),
             position: heading && aiding.has_place() && accuracy.horizontal < parameters.position_error_max,
         },
         accuracy,
@@ -477,7 +480,12 @@ fn is_height_measured(filter: &Filter) -> bool {
     const LATELY: u64 = 5_000_000;
     [Sensor::Barometer, Sensor::GnssHeight, Sensor::Pose]
         .into_iter()
-        .any(|sensor| filter.monitor(sensor).age(filter.time()).is_some_and(|age| age < LATELY))
+        .any(|sensor| {
+            filter
+                .monitor(sensor)
+                .age(filter.time())
+                .is_some_and(|age| age < LATELY)
+        })
 }
 
 impl From<&Increments> for InertialIncrements {

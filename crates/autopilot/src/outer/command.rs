@@ -1,13 +1,14 @@
 //! What the operator wants, and what speaks against it.
 
-use windhover_math::Vector3;
 use windhover_math::geodesy::LocalFrame;
+use windhover_math::{Vector3, sqrt};
 
 use super::Outer;
 use super::report::{Refused, Why};
 use crate::blocker::{Blocker, Blockers};
+use crate::fence::FenceAction;
 use crate::inner::Snapshot;
-use crate::mission::action::{Altitude, Place};
+use crate::mission::action::{Altitude, Place, Reason, Refusal};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Target};
 use crate::queue::Command;
@@ -50,13 +51,14 @@ impl Outer {
         events: &mut MissionEvents,
     ) -> Result<(), Why> {
         match command {
-            Command::Arm => self.arm(facts, false),
-            Command::ForceArm => self.arm(facts, true),
+            Command::Arm => self.arm(source, facts, false),
+            Command::ForceArm => self.arm(source, facts, true),
             Command::Disarm => self.order(Order::Disarm, facts),
             Command::Fly(Mode::Mission) => self.start_mission(None, source, facts),
             Command::Fly(mode) => self.order(Order::Fly(*mode), facts),
             Command::Takeoff(altitude, heading) => {
-                finite(altitude_of(*altitude).or(*heading))?;
+                finite(altitude_of(*altitude))?;
+                finite(*heading)?;
                 self.order(Order::Fly(Mode::Takeoff), facts)?;
                 self.modes.takeoff = (*altitude, *heading);
                 Ok(())
@@ -86,9 +88,10 @@ impl Outer {
             .order(order, facts, &self.actions)
             .map_err(|denied| self.why(denied))?;
         if let Order::Fly(mode) = order {
-            self.modes.target = None;
-            if mode == before {
-                // Asked for again: from its beginning.
+            self.ordered = true;
+            (self.modes.target, self.modes.takeoff) = (None, (None, None));
+            if mode == before && mode == Mode::Hold {
+                // Asked for again, on the way to somewhere: it stops.
                 self.modes.reenter();
             }
             if phase == Phase::Landed {
@@ -110,10 +113,25 @@ impl Outer {
     }
 
     /// Arms: home is here from now on.
-    fn arm(&mut self, facts: &Facts, force: bool) -> Result<(), Why> {
+    fn arm<S: MissionSource + ?Sized>(&mut self, source: &S, facts: &Facts, force: bool) -> Result<(), Why> {
         let was = self.supervisor.phase();
         if was == Phase::Disarmed {
             self.blockers = self.find_blockers(facts.stopped);
+        }
+        let estimate = self.estimation.estimate();
+        let home = if estimate.known.position && !self.home_is_set {
+            estimate.position
+        } else {
+            self.home
+        };
+        if was == Phase::Disarmed
+            && !force
+            && self.supervisor.mode() == Mode::Mission
+            && self.blockers.is_empty()
+            && let Some(frame) = self.estimation.frame()
+        {
+            // It may have been stored, or the fence, after it was chosen; and home is here only now.
+            self.plans.check_mission(source, frame, home, &self.parameters)?;
         }
         let blocked = !self.blockers.is_empty();
         let order = if force {
@@ -121,12 +139,18 @@ impl Outer {
         } else {
             Order::Arm { blocked }
         };
-        self.order(order, facts)?;
+        let facts = Facts {
+            active: if was == Phase::Disarmed {
+                self.watch.settle()
+            } else {
+                facts.active
+            },
+            ..*facts
+        };
+        self.order(order, &facts)?;
         if was == Phase::Disarmed {
             self.stand();
-            if self.estimation.estimate().known.position && !self.home_is_set {
-                self.home = self.estimation.estimate().position;
-            }
+            self.home = home;
         }
         Ok(())
     }
@@ -152,11 +176,68 @@ impl Outer {
         if self.supervisor.phase() != Phase::Flying {
             return Err(Why::OnGround);
         }
-        if target.ground.is_some() && self.estimation.frame().is_none() {
-            return Err(Why::NotANumber);
-        }
+        self.check_target(target)?;
         self.order(Order::Fly(Mode::Hold), facts)?;
-        self.modes.target = Some(*target);
+        // Entered anew, wherever hold was going.
+        self.modes.reenter();
+        self.modes.target = Some(Target {
+            speed: target.speed.filter(|speed| *speed > 0.0),
+            ..*target
+        });
+        Ok(())
+    }
+
+    /// Whether a place may be gone to: within reach, and inside the fence.
+    fn check_target(&self, target: &Target) -> Result<(), Why> {
+        let p = &self.parameters;
+        let here = self.estimation.estimate().position;
+        let ground = match (target.ground, self.estimation.frame()) {
+            (None, _) => here,
+            (Some(_), None) => return Err(Why::NotANumber),
+            (Some((latitude, longitude)), Some(frame)) => {
+                let altitude = Altitude::Home(0.0);
+                let place = Place {
+                    latitude,
+                    longitude,
+                    altitude,
+                };
+                frame.to_local(place.ground(frame.origin()))
+            }
+        };
+        let (north, east) = (ground.x - self.home.x, ground.y - self.home.y);
+        let (value, max) = (sqrt(north * north + east * east), p.mission.distance_max);
+        // A place too far for numbers is too far.
+        if !(value <= max) {
+            let reason = Reason::Distance { value, max };
+            return Err(Why::Place(Refusal {
+                field: "position",
+                reason,
+            }));
+        }
+        let origin = self.estimation.frame().map_or(0, |frame| frame.origin().altitude);
+        let height = target
+            .altitude
+            .map_or(self.home.z - here.z, |altitude| match altitude {
+                Altitude::Home(height) => height,
+                Altitude::SeaLevel(_) => altitude.above_home(origin) + self.home.z,
+            });
+        let max = p.mission.altitude_max;
+        if !(-max..=max).contains(&height) {
+            let reason = Reason::Range {
+                value: height,
+                min: -max,
+                max,
+            };
+            return Err(Why::Place(Refusal {
+                field: "altitude",
+                reason,
+            }));
+        }
+        let to = Vector3::new(ground.x, ground.y, self.home.z - height);
+        let counts = p.fence.action() != FenceAction::Nothing && !self.breach;
+        if counts && self.plans.fence.leaves(&p.fence, self.home, here, to) {
+            return Err(Why::Blocked(Blockers::of(Blocker::OutsideFence)));
+        }
         Ok(())
     }
 
@@ -180,6 +261,7 @@ impl Outer {
             self.order(Order::Fly(Mode::Mission), facts)?;
             self.modes.first_item = first;
             self.modes.forget_mission();
+            self.modes.reenter();
             return Ok(());
         }
         self.order(Order::Fly(Mode::Mission), facts)
@@ -187,9 +269,10 @@ impl Outer {
 
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
         finite(speed)?;
-        if let Some(mission) = self.modes.mission_mut() {
-            mission.set_speed(speed.filter(|speed| *speed > 0.0));
-        }
+        let Some(mission) = self.modes.mission_mut() else {
+            return Err(Why::Blocked(Blockers::of(Blocker::NoMission)));
+        };
+        mission.set_speed(speed.filter(|speed| *speed > 0.0));
         Ok(())
     }
 
@@ -223,9 +306,9 @@ impl Outer {
         commit: &crate::queue::MissionCommit,
         source: &S,
     ) -> Result<(), Why> {
-        let flown = kind == PlanKind::Mission && self.modes.mission().is_some();
-        if flown && self.supervisor.phase() != Phase::Disarmed {
-            if self.supervisor.mode() == Mode::Mission {
+        if kind == PlanKind::Mission && self.supervisor.phase() != Phase::Disarmed {
+            let mode = self.supervisor.mode();
+            if mode == Mode::Mission || self.supervisor.interrupted() == Some(Mode::Mission) {
                 return Err(Why::InFlight);
             }
             // What was interrupted is not there any more.
@@ -254,10 +337,7 @@ impl Outer {
             || self.battery.charge() >= crate::battery::Charge::Critical;
         Blockers::default()
             .with(Blocker::Stopped, stopped)
-            .with(
-                Blocker::AttitudeUnknown,
-                !estimate.known.attitude || active.contains(Row::AttitudeUnknown),
-            )
+            .with(Blocker::AttitudeUnknown, !estimate.known.attitude)
             .with(Blocker::Tilted, tilted || active.contains(Row::TumbleLow))
             .with(Blocker::ImuUnreliable, active.contains(Row::ImuUnreliable))
             .with(Blocker::GyroUncalibrated, uncalibrated(p.calibration.gyro_id))
@@ -269,14 +349,17 @@ impl Outer {
                 Blocker::CompassUncalibrated,
                 needs.position && uncalibrated(p.calibration.compass_id),
             )
-            .with(Blocker::CompassFault, needs.position && self.estimation.is_compass_lost())
-            .with(Blocker::BarometerFault, needs.height && self.estimation.is_barometer_lost())
+            .with(
+                Blocker::CompassFault,
+                needs.position && self.estimation.is_compass_lost(),
+            )
+            .with(
+                Blocker::BarometerFault,
+                needs.height && self.estimation.is_barometer_lost(),
+            )
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
-            .with(
-                Blocker::RcLost,
-                self.remote.is_lost() || active.contains(Row::RcLost),
-            )
+            .with(Blocker::RcLost, self.remote.is_lost())
             .with(
                 Blocker::SticksUnsafe,
                 self.switches.refused || self.is_throttle_up(),
@@ -309,7 +392,7 @@ impl Outer {
             .with(Blocker::PositionUnknown, needs.position && !position)
             .with(
                 Blocker::NoMission,
-                mode == Mode::Mission && self.plans.mission.is_none(),
+                mode == Mode::Mission && !(self.plans.mission.is_some() && self.estimation.frame().is_some()),
             )
             .with(Blocker::NoSetpoint, mode == Mode::Offboard && setpoint)
             .with(
@@ -318,9 +401,9 @@ impl Outer {
             )
     }
 
-    /// What a mode relies on.
+    /// What a mode relies on; offboard, what the last setpoint did, also when it has grown old.
     pub(super) fn needs(&self, mode: Mode) -> Needs {
-        let needs_position = !matches!(self.fresh_setpoint(), Some(crate::mode::Outside::Attitude(_)));
+        let needs_position = !matches!(self.setpoints.newest(), Some(crate::mode::Outside::Attitude(_)));
         Needs::of(mode, needs_position)
     }
 }

@@ -14,7 +14,7 @@ use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::{AttitudeSetpoint, PositionController};
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{GRAVITY, Vector3, sqrt};
+use windhover_math::{GRAVITY, Vector3, min, sqrt};
 
 use crate::battery::Battery;
 use crate::blocker::Blockers;
@@ -57,8 +57,12 @@ pub struct Outer {
     home_is_set: bool,
     /// How long an armed vehicle stands on the ground, s.
     on_ground: f32,
+    /// Whether the motors idled at the last step.
+    idles: bool,
     /// What the mode gave at the last step.
     next: Option<Mode>,
+    /// Whether a mode was ordered in this step.
+    ordered: bool,
     contact: bool,
     blockers: Blockers,
     remote: Remote,
@@ -95,7 +99,9 @@ impl Outer {
             home: Vector3::zeros(),
             home_is_set: false,
             on_ground: 0.0,
+            idles: true,
             next: None,
+            ordered: false,
             contact: false,
             blockers: Blockers::default(),
             remote: Remote::default(),
@@ -187,12 +193,18 @@ impl Outer {
         self.decide(snapshot, source, dt, result);
         let step = self.fly(source, dt, &mut result.report.events);
         self.next = step.next;
+        // A vehicle that the ground holds needs little thrust.
+        let step = Step {
+            contact: step.contact && self.landing.is_light(),
+            ..step
+        };
         self.contact = step.contact;
+        self.count_idling(&step.demand);
         result.setpoint = self.control(&step, snapshot, dt);
         self.wanted = self.wanted(&result.setpoint);
         result.motors = self.motors(&step.demand);
         result.tick = snapshot.tick;
-        self.tell(&step, result);
+        self.tell(&step, snapshot, result);
     }
 
     /// Time since the last snapshot, µs.
@@ -258,7 +270,7 @@ impl Outer {
             height: known.height,
             position: self.is_position_known(),
             sticks: self.remote.sticks().is_some(),
-            mission: self.plans.mission.is_some(),
+            mission: self.plans.mission.is_some() && self.estimation.frame().is_some(),
             setpoint: self
                 .fresh_setpoint()
                 .map(|setpoint| !matches!(setpoint, Outside::Attitude(_))),
@@ -286,25 +298,51 @@ impl Outer {
             0.0
         };
         let p = &self.parameters.safety;
-        let patience = if phase == Phase::Landed {
-            p.disarm_landed
-        } else {
-            p.disarm_ground
+        let patience = match phase {
+            Phase::Landed => p.disarm_landed,
+            // A mission may wait on the ground for as long as its items say.
+            _ if self.supervisor.mode() == Mode::Mission => f32::INFINITY,
+            _ => p.disarm_ground,
         };
-        let rising = self.look(snapshot);
-        let facts = Facts {
+        let available = available(&self.conditions());
+        let lost = armed && !available.contains(self.supervisor.mode());
+        let rising = self.look(snapshot, lost);
+        let mut facts = Facts {
             stopped: snapshot.stopped.is_some() || self.switches.kill,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
-            available: available(&self.conditions()),
+            available,
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
             rising,
         };
         let report = &mut result.report;
+        self.ordered = false;
         self.commands(snapshot, source, &facts, &mut report.events, &mut report.refusals);
+        if self.ordered {
+            // What the operator has just chosen stays, whatever was to follow what flew until now.
+            facts.next = None;
+        }
+        // Arming settles what is over.
+        facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
+        facts.rising = facts.rising.and(facts.active);
         self.supervisor.step(&facts, &self.actions);
         self.follow(phase, facts.stopped, &mut report.events);
+    }
+
+    /// A vehicle that begins to lift has its time to do so before it is disarmed for standing there.
+    fn count_idling(&mut self, demand: &Demand) {
+        let idles = *demand == Demand::Rest;
+        if self.idles && !idles {
+            let armed = self.supervisor.phase() == Phase::Armed;
+            let spool_up = if armed {
+                self.parameters.safety.spool_up
+            } else {
+                0.0
+            };
+            self.on_ground = min(self.on_ground, spool_up);
+        }
+        self.idles = idles;
     }
 
     /// What a change of phase brings along.
@@ -325,13 +363,20 @@ impl Outer {
         }
     }
 
-    /// Looks at what is watched, when it is time; the rows that have become active.
-    fn look(&mut self, snapshot: &Snapshot) -> RowSet {
-        if !self.watch.step(snapshot, &self.wanted, self.estimation.is_on_sensors()) {
+    /// Looks at what is watched, when it is time; the rows that have become active. A mode that has
+    /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
+    /// would not see it any more.
+    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> RowSet {
+        let due = self
+            .watch
+            .step(snapshot, &self.wanted, self.estimation.is_on_sensors());
+        if !due && !lost {
             return RowSet::default();
         }
-        self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
-        if self.looks == 0 {
+        if due {
+            self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
+        }
+        if due && self.looks == 0 {
             self.look_around();
         }
         let interrupted = self.supervisor.interrupted();
@@ -407,7 +452,7 @@ impl Outer {
         let around = Around {
             parameters: &self.parameters,
             estimate: self.estimation.estimate(),
-            shift: self.estimation.handover().position,
+            handover: self.estimation.handover(),
             thrust_scale: self.thrust_scale.scale(),
             frame: self.estimation.frame(),
             home: self.home,
@@ -458,7 +503,7 @@ impl Outer {
     }
 
     /// Writes what follows from the state after the step.
-    fn tell(&mut self, step: &Step, result: &mut OuterResult) {
+    fn tell(&mut self, step: &Step, snapshot: &Snapshot, result: &mut OuterResult) {
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
@@ -468,7 +513,7 @@ impl Outer {
         report.phase = self.supervisor.phase();
         report.mode = self.supervisor.mode();
         report.failsafe = self.supervisor.acting();
-        report.active = self.watch.active();
+        report.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
         report.blockers = self.blockers;
         report.estimate = *estimate;
         report.origin = self.estimation.frame().map(LocalFrame::origin);

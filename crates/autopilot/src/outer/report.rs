@@ -151,6 +151,8 @@ pub enum Why {
     Fence(u16, FenceRefusal),
     /// A number is none, or the place is not known.
     NotANumber,
+    /// The place cannot be gone to.
+    Place(Refusal),
 }
 
 impl core::fmt::Display for Why {
@@ -168,6 +170,7 @@ impl core::fmt::Display for Why {
             Self::Failsafe(row) => write!(f, "failsafe: {}", row.watched().text),
             Self::Mission(index, refusal) => write!(f, "mission item {}, {refusal}", index + 1),
             Self::Fence(index, refusal) => write!(f, "fence item {}, {refusal}", index + 1),
+            Self::Place(refusal) => refusal.fmt(f),
             Self::NotANumber => f.write_str("a value is not a number, or the place is not known"),
         }
     }

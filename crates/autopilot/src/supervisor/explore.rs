@@ -101,13 +101,12 @@ fn done(mode: Mode) -> &'static [Mode] {
     }
 }
 
+/// What each order was answered.
+type Answers = Vec<(Order, Result<(), Denied>)>;
+
 /// What some events make of a situation: the situation after, the facts of the step, and what each
 /// order was answered.
-fn apply(
-    from: &Situation,
-    events: &[Event],
-    actions: &Actions,
-) -> (Situation, Facts, Vec<(Order, Result<(), Denied>)>) {
+fn apply(from: &Situation, events: &[Event], actions: &Actions) -> (Situation, Facts, Answers) {
     let mut to = *from;
     let mut facts = Facts::default();
     if let Some(acting) = from.supervisor.acting
@@ -198,6 +197,7 @@ fn check(
     // Without an operator's order nothing makes a worse failsafe do less while it lasts.
     if let (Some(acting), true) = (before.acting, answers.is_empty())
         && facts.active.contains(acting)
+        && actions.of(acting) >= Action::Hold
         && before.phase == Phase::Flying
         && after.phase == Phase::Flying
     {
@@ -254,7 +254,7 @@ fn can_come_down(situation: &Situation, actions: &Actions) {
     }
     let (next, _, answers) = apply(situation, &[Event::Order(Order::Fly(Mode::Land))], actions);
     let comes_down = Action::of(next.supervisor.mode) >= Action::Return;
-    let may_fly_on = situation.known < Known::Position || next.supervisor.phase != Phase::Flying;
+    let may_fly_on = next.supervisor.phase != Phase::Flying;
     let held = matches!(answers.as_slice(), [(_, Err(Denied::Failsafe(_)))]);
     assert!(comes_down || may_fly_on || held, "{situation:?} {next:?}");
 }

@@ -155,11 +155,15 @@ impl Supervisor {
 
     /// One step, by the rules above.
     pub fn step(&mut self, facts: &Facts, actions: &Actions) {
-        if facts.stopped && self.phase != Phase::Disarmed {
+        if facts.stopped {
+            let named = if self.phase == Phase::Disarmed {
+                self.acting
+            } else {
+                facts.active.contains(Row::ImuMissing).then_some(Row::ImuMissing)
+            };
             self.disarm();
-            // It is named, though the inner step has done all that is to be done.
-            let missing = facts.active.contains(Row::ImuMissing);
-            self.acting = missing.then_some(Row::ImuMissing);
+            // It is named, though nothing is left to be done.
+            self.acting = named;
         }
         if self.phase == Phase::Disarmed {
             return;
@@ -228,14 +232,18 @@ impl Supervisor {
         active.iter().fold(RowSet::default(), |set, row| {
             let free = rising.contains(row)
                 || actions.of(row) > self.overridden
-                || row.watched().yields_to == Override::Nobody;
+                || (row.watched().yields_to == Override::Nobody && self.phase == Phase::Flying);
             set.with(row, free)
         })
     }
 
     fn begin(&mut self, row: Row, actions: &Actions) {
         let before = self.acting.map_or(Action::None, |acting| actions.of(acting));
-        if before < Action::Hold && actions.of(row) >= Action::Hold && self.interrupted.is_none() && self.phase == Phase::Flying {
+        if before < Action::Hold
+            && actions.of(row) >= Action::Hold
+            && self.interrupted.is_none()
+            && self.phase == Phase::Flying
+        {
             self.interrupted = Some(self.mode);
         }
         self.act(row, actions);
@@ -254,6 +262,9 @@ impl Supervisor {
     /// The mode is one that does at least what the row that acts asks for: also when that could not
     /// be done until now.
     fn carry_out(&mut self, actions: &Actions) {
+        if self.phase != Phase::Flying {
+            return;
+        }
         let action = self.acting.map_or(Action::None, |row| actions.of(row));
         if let Some(mode) = action.mode().filter(|_| action > Action::of(self.mode)) {
             self.mode = mode;
@@ -332,6 +343,9 @@ impl Supervisor {
 
     fn fly(&mut self, mode: Mode, facts: &Facts, actions: &Actions) -> Result<(), Denied> {
         let flying = self.phase == Phase::Flying;
+        if facts.stopped {
+            return Err(Denied::Stopped);
+        }
         if let Some(row) = self.acting
             && actions.of(row) >= Action::Hold
             && self.phase != Phase::Disarmed
@@ -345,10 +359,12 @@ impl Supervisor {
                 return Err(Denied::Failsafe(row));
             }
         }
+        // Down is always to be had: level, where the place is not known.
+        let lands = mode == Mode::Land && flying && !facts.available.contains(mode);
+        let mode = if lands { Mode::Descend } else { mode };
         match mode {
             Mode::Takeoff if flying => return Err(Denied::InFlight),
-            Mode::Land | Mode::Return if !flying => return Err(Denied::OnGround),
-            Mode::Descend => return Err(Denied::Unavailable(mode)),
+            Mode::Land | Mode::Return | Mode::Descend if !flying => return Err(Denied::OnGround),
             _ if !facts.available.contains(mode) => return Err(Denied::Unavailable(mode)),
             _ => {}
         }
