@@ -1,7 +1,7 @@
 //! The operator of a desktop flight: arms when nothing speaks against it, takes off, flies the
 //! mission, returns and lands. When a failsafe acts, looks on.
 
-use windhover_autopilot::{Command, Mode, Phase};
+use windhover_autopilot::{Action, Command, Mode, Phase};
 
 use crate::closed_loop::ClosedLoop;
 
@@ -33,6 +33,13 @@ pub struct Operator {
 /// On sensors, nothing must have spoken against arming for so long, s.
 const SETTLED: f64 = 2.0;
 
+/// Whether a failsafe does more than warn.
+fn is_interrupted(flown: &ClosedLoop) -> bool {
+    let parameters = flown.outer().parameters();
+    let acting = flown.outer().supervisor().acting();
+    acting.is_some_and(|row| (row.watched().action)(parameters) > Action::Warn)
+}
+
 impl Operator {
     /// Of a vehicle on its sensors, or one that is told the truth.
     pub fn new(on_sensors: bool) -> Self {
@@ -50,14 +57,14 @@ impl Operator {
         let (phase, mode) = (supervisor.phase(), supervisor.mode());
         match self.stage {
             Stage::Wait => self.wait(flown, time),
-            Stage::Takeoff if phase == Phase::Flying && mode == Mode::Hold => {
+            Stage::Takeoff if phase == Phase::Flying && mode == Mode::Hold && !is_interrupted(flown) => {
                 self.stage = Stage::Start;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Mission));
             }
             Stage::Start if mode == Mode::Mission => self.stage = Stage::Mission,
             // A mission that ends in the air ends in hold; one that returns or lands does so itself,
             // and what a failsafe does is left to it.
-            Stage::Mission if mode == Mode::Hold && supervisor.acting().is_none() => {
+            Stage::Mission if phase == Phase::Flying && mode == Mode::Hold && !is_interrupted(flown) => {
                 self.stage = Stage::Home;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
             }
