@@ -29,8 +29,9 @@ const TIME_LIMIT: f64 = 4.0 * 3600.0;
 /// A vehicle whose motors were stopped in flight is on the ground after so long, s.
 const FALL: f64 = 60.0;
 
-/// A vehicle that lies on the ground for so long and takes itself for flying is not waited for, s.
-const UNNOTICED: f64 = 60.0;
+/// A vehicle that has come down and lies on the ground for so long without disarming itself is not
+/// waited for, s; more than `COM_DISARM_LAND` may be.
+const UNNOTICED: f64 = 90.0;
 
 /// Seconds between two positions that count for the cross-track error.
 const SAMPLE_PERIOD: f64 = 0.02;
@@ -333,9 +334,8 @@ fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
         .on_ground_since
         .is_some_and(|since| time > since + UNNOTICED)
     {
-        let text = format!(
-            "given up at {time:.1} s: on the ground for {UNNOTICED} s, and the landing went unnoticed"
-        );
+        let text =
+            format!("given up at {time:.1} s: on the ground for {UNNOTICED} s without disarming itself");
         Some((false, text))
     } else if time >= TIME_LIMIT {
         Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
@@ -397,7 +397,7 @@ struct Watch {
     blocked: String,
     was_armed: bool,
     was_airborne: bool,
-    /// Since when a vehicle that takes itself for flying has been at rest on the ground, s.
+    /// Since when a vehicle that has flown is at rest on the ground, s.
     on_ground_since: Option<f64>,
     phase: Phase,
     mode: Mode,
@@ -512,7 +512,7 @@ impl Watch {
         let before = core::mem::replace(&mut self.phase, phase);
         self.was_airborne |= phase == Phase::Flying;
         let rests = truth.position.z > -0.05 && Axes::from(truth.velocity).length() < 0.05;
-        if phase != Phase::Flying || !rests {
+        if !self.was_airborne || !rests {
             self.on_ground_since = None;
         } else {
             self.on_ground_since.get_or_insert(truth.time);
