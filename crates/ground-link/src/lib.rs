@@ -29,6 +29,7 @@ pub mod parameters;
 mod request;
 mod scale;
 pub mod setpoints;
+mod sha256;
 pub mod signing;
 pub mod streams;
 pub mod telemetry;

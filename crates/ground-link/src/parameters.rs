@@ -5,10 +5,10 @@
 //! a client never believes what is not so. A value out of range is answered with the old one, and
 //! with a line of text that says the range.
 
+mod constants;
+
 use heapless::Vec;
-use mavlink::dialects::common::{
-    MavParamType, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
-};
+use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 use windhover_parameters::{Declaration, Refusal};
 
 use crate::checksum::update;
@@ -18,8 +18,13 @@ use crate::request::Request;
 use crate::text::{Decimal, Severity};
 use crate::wire::{Message, Payload};
 
+pub use constants::{Appended, QGROUNDCONTROL};
+
 /// The name under which clients ask for a hash over all names and values.
 const HASH: &str = "_HASH_CHECK";
+
+/// The longest name.
+const NAME: usize = 16;
 
 /// Writes that wait for the table to show them.
 const WRITES: usize = 4;
@@ -87,23 +92,19 @@ pub(crate) struct Surroundings<'a> {
 impl ParameterService {
     /// Sends the list from its start.
     pub fn list(&mut self, payload: Payload<'_>, own: Address) {
-        if let Some(asked) = payload.read::<PARAM_REQUEST_LIST_DATA>()
-            && own.is_meant(asked.target_system, asked.target_component)
-        {
+        if payload.is_for(own, 0) {
             self.listing = Some(0);
         }
     }
 
     /// Sends one parameter, or the hash. What there is not is not answered.
     pub fn read(&mut self, payload: Payload<'_>, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read::<PARAM_REQUEST_READ_DATA>() else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(around.own, 2) {
             return;
         }
-        let name = crate::wire::text(&*asked.param_id);
-        let index = match asked.param_index {
+        let id = payload.bytes::<NAME>(4);
+        let name = crate::wire::text(&id);
+        let index = match payload.short(0) {
             BY_NAME if name == HASH => return around.outbox.reply(Reply::ParameterHash),
             BY_NAME => around.table.find(name),
             index => u16::try_from(index).ok(),
@@ -115,17 +116,15 @@ impl ParameterService {
 
     /// Asks for a write, or says why not.
     pub fn set(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        // The type (byte 22) may be anything: the value is a float all the same.
-        let real = (22, MavParamType::MAV_PARAM_TYPE_REAL32 as u8);
-        let Some(asked) = payload.read_with::<PARAM_SET_DATA>(&[real]) else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(around.own, 4) {
             return;
         }
-        let name = crate::wire::text(&*asked.param_id);
+        // The type (byte 22) may be anything: the value is a float all the same.
+        let value = payload.float(0);
+        let id = payload.bytes::<NAME>(6);
+        let name = crate::wire::text(&id);
         if name == HASH {
-            return self.compare(asked.param_value, around);
+            return self.compare(value, around);
         }
         let found = around.table.find(name);
         let Some((index, declaration)) =
@@ -134,7 +133,6 @@ impl ParameterService {
             let text = format_args!("{name}: there is no such parameter");
             return around.outbox.say(Severity::Warning, text);
         };
-        let value = asked.param_value;
         if value.is_subnormal() {
             around.outbox.reply(Reply::Parameter(index));
             let text = format_args!("{name}: to be sent as REAL32");

@@ -142,6 +142,13 @@ pub struct Ground {
     pub longitude: i32,
 }
 
+impl Ground {
+    /// Whether there is such a point.
+    pub(crate) fn is_on_earth(self) -> bool {
+        self.latitude.unsigned_abs() <= 900_000_000 && self.longitude.unsigned_abs() <= 1_800_000_000
+    }
+}
+
 /// Which speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpeedKind {

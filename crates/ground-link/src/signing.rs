@@ -5,10 +5,9 @@
 //! sender on each of its links: what was sent once is not accepted again. The table of senders is
 //! bounded and never forgets one, so that nothing old is taken for new.
 
-use heapless::Vec;
-use sha2::{Digest, Sha256};
-
 use crate::frame::{Address, Frame, SIGNATURE};
+use crate::sha256::Sha256;
+use heapless::Vec;
 
 /// Senders, each with one of its links, whose time is followed.
 const STREAMS: usize = 16;
@@ -184,16 +183,11 @@ impl Key {
     }
 
     fn hash(&self, covered: &[u8], link: u8, time: u64) -> [u8; 6] {
-        let digest = Sha256::new()
-            .chain_update(self.secret)
-            .chain_update(covered)
-            .chain_update(stamp(link, time))
-            .finalize();
-        let mut hash = [0; 6];
-        for (to, from) in hash.iter_mut().zip(digest.iter()) {
-            *to = *from;
-        }
-        hash
+        let mut hash = Sha256::new();
+        hash.update(&self.secret);
+        hash.update(covered);
+        hash.update(&stamp(link, time));
+        hash.first_six()
     }
 }
 
@@ -218,6 +212,8 @@ mod tests {
     extern crate std;
 
     use std::vec::Vec;
+
+    use sha2::Digest;
 
     use super::*;
     use crate::frame::{MAX_FRAME, Parser, Writer};
@@ -261,7 +257,7 @@ mod tests {
         let mut all = SECRET.to_vec();
         all.extend(covered);
         all.extend(&signature[..7]);
-        assert_eq!(&signature[7..], &Sha256::digest(&all)[..6]);
+        assert_eq!(&signature[7..], &sha2::Sha256::digest(&all)[..6]);
     }
 
     #[test]

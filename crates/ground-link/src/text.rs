@@ -179,13 +179,15 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
+    use mavlink::{MavlinkVersion, MessageData};
+
     use super::*;
-    use crate::wire::Payload;
 
     fn parts(texts: &mut Texts) -> Vec<(u16, u8, String)> {
         core::iter::from_fn(|| texts.next())
             .map(|message| {
-                let data: STATUSTEXT_DATA = Payload(message.payload()).read().unwrap();
+                let data: STATUSTEXT_DATA =
+                    STATUSTEXT_DATA::deser(MavlinkVersion::V2, message.payload()).unwrap();
                 let text: Vec<u8> = data.text.iter().copied().take_while(|byte| *byte != 0).collect();
                 (data.id, data.chunk_seq, String::from_utf8(text).unwrap())
             })

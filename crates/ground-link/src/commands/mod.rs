@@ -8,7 +8,7 @@ mod arguments;
 mod translate;
 
 use heapless::Vec;
-use mavlink::dialects::common::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavResult};
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavResult};
 
 use crate::frame::{Address, crc};
 use crate::outbox::{Order, Outbox, Reply};
@@ -31,10 +31,12 @@ const FAILED: u64 = 120_000_000;
 /// For so long an answer can be asked for again, µs.
 const MEMORY: u64 = 5_000_000;
 
-/// Where `COMMAND_LONG` and `COMMAND_INT` have their command, the frame and the confirmation.
+/// Where `COMMAND_LONG` and `COMMAND_INT` have their command and target; then follow a confirmation
+/// in the one, a frame in the other.
 const COMMAND: usize = 28;
-const FRAME: usize = 32;
+const TARGET: usize = 30;
 const CONFIRMATION: usize = 32;
+const FRAME: usize = 32;
 
 /// The progress that says nothing.
 const UNKNOWN: u8 = 255;
@@ -128,13 +130,12 @@ impl CommandService {
         from: Address,
         around: &mut Surroundings<'_>,
     ) -> Option<Ours> {
-        let data: COMMAND_LONG_DATA = payload.read_command(COMMAND, None)?;
-        if !around.own.is_meant(data.target_system, data.target_component) {
+        if !payload.is_for(around.own, TARGET) {
             return None;
         }
         let arrival = Arrival {
             command: payload.word(COMMAND),
-            parameters: Parameters::long(&data),
+            parameters: Parameters::long(payload),
             digest: digest(payload, COMMAND + 2),
             is_repeated: payload.byte(CONFIRMATION) > 0,
         };
@@ -148,13 +149,12 @@ impl CommandService {
         from: Address,
         around: &mut Surroundings<'_>,
     ) -> Option<Ours> {
-        let data: COMMAND_INT_DATA = payload.read_command(COMMAND, Some(FRAME))?;
-        if !around.own.is_meant(data.target_system, data.target_component) {
+        if !payload.is_for(around.own, TARGET) {
             return None;
         }
         let arrival = Arrival {
             command: payload.word(COMMAND),
-            parameters: Parameters::int(&data, payload.byte(FRAME)),
+            parameters: Parameters::int(payload),
             digest: digest(payload, FRAME + 1),
             is_repeated: false,
         };

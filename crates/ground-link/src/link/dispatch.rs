@@ -19,6 +19,9 @@ use crate::wire::Payload;
 /// `MAV_TYPE_GCS`.
 const GROUND_STATION: u8 = wire::MavType::MAV_TYPE_GCS as u8;
 
+/// `MAV_MODE_FLAG_CUSTOM_MODE_ENABLED`.
+const CUSTOM_MODE: u8 = wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits();
+
 /// Messages that must not act twice when the network repeats them.
 const ONCE: [u32; 5] = [
     wire::COMMAND_LONG_DATA::ID,
@@ -65,8 +68,8 @@ impl Core {
         let service = &mut self.mission;
         match frame.id {
             wire::MISSION_COUNT_DATA::ID => service.count(payload, from, around),
-            wire::MISSION_ITEM_INT_DATA::ID => service.take(payload, from, around),
-            wire::MISSION_ITEM_DATA::ID => service.take_float(payload, from, around),
+            wire::MISSION_ITEM_INT_DATA::ID => service.take(payload, false, from, around),
+            wire::MISSION_ITEM_DATA::ID => service.take(payload, true, from, around),
             wire::MISSION_REQUEST_LIST_DATA::ID => service.list(payload, from, around),
             wire::MISSION_REQUEST_INT_DATA::ID | wire::MISSION_REQUEST_DATA::ID => {
                 service.item(payload, from, around);
@@ -84,17 +87,10 @@ impl Core {
 
     /// `MISSION_SET_CURRENT`: the answer is what is current then.
     fn set_current(&mut self, payload: Payload<'_>, from: Address, now: u64, context: &Context<'_>) {
-        let Some(asked) = payload.read::<wire::MISSION_SET_CURRENT_DATA>() else {
-            return;
-        };
-        if !self
-            .config
-            .address
-            .is_meant(asked.target_system, asked.target_component)
-        {
+        if !payload.is_for(self.config.address, 2) {
             return;
         }
-        let index = asked.seq;
+        let index = payload.word(0);
         if index < context.plans.committed(mission::PlanKind::Mission).count {
             let request = Request::SetCurrentItem { index };
             self.outbox.request(Order {
@@ -179,16 +175,11 @@ impl Core {
 
     /// `SET_MODE`, of clients that know no commands.
     fn set_mode(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SET_MODE_DATA>() else {
-            return;
-        };
-        let custom = asked
-            .base_mode
-            .contains(wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        if asked.target_system != self.config.address.system || !custom {
+        let is_custom = payload.byte(5) & CUSTOM_MODE != 0;
+        if payload.byte(4) != self.config.address.system || !is_custom {
             return;
         }
-        if let Some(mode) = Mode::from_custom(asked.custom_mode) {
+        if let Some(mode) = Mode::from_custom(payload.long(0)) {
             let request = Request::SetMode(mode);
             self.outbox.request(Order {
                 request,
@@ -248,12 +239,9 @@ impl Core {
     }
 
     fn ping(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::PING_DATA>() else {
-            return;
-        };
         // With a target it is somebody's answer.
-        if (asked.target_system, asked.target_component) == (0, 0) {
-            let (time, sequence) = (asked.time_usec, asked.seq);
+        if payload.word(12) == 0 {
+            let (time, sequence) = (payload.huge(0), payload.long(8));
             self.outbox.reply(Reply::Pong {
                 to: from,
                 time,
@@ -263,18 +251,12 @@ impl Core {
     }
 
     fn time(&mut self, payload: Payload<'_>, from: Address, now: u64) {
-        let Some(asked) = payload.read::<wire::TIMESYNC_DATA>() else {
-            return;
-        };
-        let meant = self
-            .config
-            .address
-            .is_meant(asked.target_system, asked.target_component);
-        if asked.tc1 == 0 && meant {
+        let is_asked = payload.huge(0) == 0;
+        if is_asked && payload.is_for(self.config.address, 16) {
             let ours = i64::try_from(now.saturating_mul(1000)).unwrap_or(i64::MAX);
             self.outbox.reply(Reply::Time {
                 to: from,
-                theirs: asked.ts1,
+                theirs: payload.huge(8).cast_signed(),
                 ours,
             });
         }
@@ -283,7 +265,7 @@ impl Core {
     /// There are no files: whatever is asked is refused at once. Answers are not answered.
     fn files(&mut self, payload: Payload<'_>, from: Address) {
         let answer = payload.byte(6) >= 128;
-        if answer || !self.config.address.is_meant(payload.byte(1), payload.byte(2)) {
+        if answer || !payload.is_for(self.config.address, 1) {
             return;
         }
         self.outbox.reply(Reply::NoFiles {
@@ -295,15 +277,12 @@ impl Core {
     }
 
     fn setup_signing(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SETUP_SIGNING_DATA>() else {
-            return;
-        };
-        if asked.target_system != self.config.address.system {
+        if payload.byte(8) != self.config.address.system {
             return;
         }
         let request = Request::SetSigningKey {
-            secret: asked.secret_key,
-            time: asked.initial_timestamp,
+            secret: payload.bytes(10),
+            time: payload.huge(0),
         };
         self.outbox.request(Order {
             request,

@@ -182,14 +182,26 @@ impl Link {
         parser.feed(bytes, |frame| core.take(frame, now, context));
     }
 
+    /// Takes a packet that has come whole, such as a datagram of UDP, at `now` µs: what it leaves
+    /// unfinished is given up at once, so that no packet can hold up the next one.
+    pub fn receive_packet(&mut self, packet: &[u8], now: u64, context: &mut Context<'_>) {
+        self.receive(packet, now, context);
+        self.give_up(now, context);
+    }
+
+    /// No more bytes will come for what waits.
+    fn give_up(&mut self, now: u64, context: &mut Context<'_>) {
+        let Self { parser, core, .. } = self;
+        parser.give_up(|frame| core.take(frame, now, context));
+    }
+
     /// Gives the frames that are to be sent at `now` µs, each to one call of `out`. To be called
     /// every few milliseconds.
-    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
-        let Self { parser, heard, core } = self;
-        if parser.waits() && now.saturating_sub(*heard) >= STALE {
-            parser.give_up(|frame| core.take(frame, now, context));
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut dyn FnMut(&[u8])) {
+        if self.parser.waits() && now.saturating_sub(self.heard) >= STALE {
+            self.give_up(now, context);
         }
-        core.poll(now, context, out);
+        self.core.poll(now, context, out);
     }
 
     /// What a ground station wants of the vehicle: commands in the order in which they came, then

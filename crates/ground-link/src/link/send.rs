@@ -15,6 +15,9 @@ use crate::streams::{self, encode, version};
 use crate::telemetry::{Landed, Telemetry};
 use crate::wire::Message;
 
+/// What is given the frames.
+type Out<'a> = &'a mut dyn FnMut(&[u8]);
+
 /// The code in a file transfer that refuses, and the reason "unknown command".
 const REFUSED: u8 = 129;
 const UNKNOWN_COMMAND: u8 = 7;
@@ -41,7 +44,7 @@ impl Shown {
 
 impl Core {
     /// Sends what is due.
-    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: Out<'_>) {
         self.go_on(now, context);
         self.notice(now, context);
         self.budget.advance(now);
@@ -93,7 +96,7 @@ impl Core {
 
     /// What has to wait for the budget.
     #[inline(never)]
-    fn send_rest(&mut self, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
+    fn send_rest(&mut self, now: u64, context: &Context<'_>, out: Out<'_>) {
         if self.outbox.has_replies() {
             return;
         }
@@ -126,7 +129,7 @@ impl Core {
     }
 
     #[inline(never)]
-    fn send_telemetry(&mut self, number: u16, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
+    fn send_telemetry(&mut self, number: u16, now: u64, context: &Context<'_>, out: Out<'_>) {
         if let Some(message) = encode::message(number, &self.source(now, context)) {
             self.send(&message, now, out);
         }
@@ -134,7 +137,7 @@ impl Core {
 
     /// Makes a frame around a message, signed if there is a key.
     #[inline(never)]
-    fn send(&mut self, message: &Message, now: u64, out: &mut impl FnMut(&[u8])) {
+    fn send(&mut self, message: &Message, now: u64, out: Out<'_>) {
         let mut buffer = [0; MAX_FRAME];
         let signing = &mut self.signing;
         let length = if signing.is_on() {

@@ -5,7 +5,7 @@
 
 use heapless::Vec;
 
-use super::{DOWNLOADS, MissionResult, MissionService, PlanKind, Surroundings, item_request, list_request};
+use super::{DOWNLOADS, MissionResult, MissionService, PlanKind, Surroundings};
 use crate::frame::Address;
 use crate::outbox::Reply;
 use crate::wire::Payload;
@@ -22,15 +22,8 @@ pub(super) struct Download {
 impl MissionService {
     /// `MISSION_REQUEST_LIST`.
     pub fn list(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = list_request(payload) else {
+        let Some(kind) = around.kind(payload, 0, from) else {
             return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
-            return;
-        }
-        let kind = match kind {
-            Ok(kind) => kind,
-            Err(code) => return around.ack(from, code, MissionResult::Unsupported),
         };
         let plan = around.plans.committed(kind);
         let (count, crc) = (plan.count, plan.crc);
@@ -54,16 +47,10 @@ impl MissionService {
     /// `MISSION_REQUEST_INT`, and `MISSION_REQUEST` of clients that do not know it: both get
     /// integers.
     pub fn item(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = item_request(payload) else {
+        let Some(kind) = around.kind(payload, 2, from) else {
             return;
         };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
-            return;
-        }
-        let kind = match kind {
-            Ok(kind) => kind,
-            Err(code) => return around.ack(from, code, MissionResult::Unsupported),
-        };
+        let index = payload.word(0);
         let plan = around.plans.committed(kind);
         let known = |download: &&Download| download.client == from && download.kind == kind;
         let changed = |download: &Download| (download.crc, download.count) != (plan.crc, plan.count);
@@ -71,10 +58,9 @@ impl MissionService {
             self.downloads.retain(|download| !known(&download));
             return around.ack(from, kind.code(), MissionResult::Cancelled);
         }
-        if asked.seq >= plan.count {
+        if index >= plan.count {
             return around.ack(from, kind.code(), MissionResult::InvalidSequence);
         }
-        let index = asked.seq;
         around.outbox.reply(Reply::PlanItem {
             to: from,
             kind,

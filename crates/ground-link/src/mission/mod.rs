@@ -12,8 +12,7 @@ mod upload;
 
 use heapless::Vec;
 use mavlink::dialects::common::{
-    MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA,
-    MISSION_REQUEST_LIST_DATA, MavMissionType,
+    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA, MavMissionType,
 };
 
 use crate::frame::Address;
@@ -24,6 +23,7 @@ use crate::wire::{Message, Payload};
 use download::Download;
 use upload::{Finished, Upload};
 
+pub(crate) use item::item_message;
 pub use plan::{MissionResult, PlanKind, PlanRefusal, PlanStore};
 
 /// Downloads whose plan is watched for changes.
@@ -42,6 +42,21 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// The kind of plan of a message whose target is in a place, with the kind right behind it;
+    /// `None` when it is for another. A number that is no kind is refused.
+    #[inline(never)]
+    fn kind(&mut self, payload: Payload<'_>, target: usize, from: Address) -> Option<PlanKind> {
+        if !payload.is_for(self.own, target) {
+            return None;
+        }
+        let code = payload.byte(target + 2);
+        let kind = PlanKind::from_code(code);
+        if kind.is_none() {
+            self.ack(from, code, MissionResult::Unsupported);
+        }
+        kind
+    }
+
     #[inline(never)]
     fn ack(&mut self, to: Address, kind: u8, result: MissionResult) {
         self.outbox.reply(Reply::PlanAck { to, kind, result });
@@ -68,10 +83,7 @@ pub(crate) struct MissionService {
 impl MissionService {
     /// `MISSION_CLEAR_ALL`.
     pub fn clear(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read_with::<MISSION_CLEAR_ALL_DATA>(&[(2, 0)]) else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(around.own, 0) {
             return;
         }
         let code = payload.byte(2);
@@ -99,7 +111,7 @@ impl MissionService {
 
     /// Partial lists are not understood.
     pub fn partial(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        if around.own.is_meant(payload.byte(4), payload.byte(5)) {
+        if payload.is_for(around.own, 4) {
             around.ack(from, payload.byte(6), MissionResult::Unsupported);
         }
     }
@@ -157,27 +169,4 @@ pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16) -> Messag
         target_component: to.component,
         mission_type: kind.wire(),
     })
-}
-
-pub(crate) use item::item_message;
-
-/// Reads a message whose type of plan may be any number: the message, and the kind or its number.
-fn list_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_LIST_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(2);
-    let asked = payload.read_with(&[(2, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
-}
-
-/// The same for a request for an item, whose numbers are two bytes further on.
-fn item_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_INT_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(4);
-    let asked = payload.read_with(&[(4, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
-}
-
-/// The same for a count.
-fn count_request(payload: Payload<'_>) -> Option<(MISSION_COUNT_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(4);
-    let asked = payload.read_with(&[(4, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
 }

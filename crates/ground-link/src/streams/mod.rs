@@ -8,8 +8,6 @@ pub mod budget;
 pub(crate) mod encode;
 pub(crate) mod version;
 
-use mavlink::dialects::common::REQUEST_DATA_STREAM_DATA;
-
 use crate::frame::Address;
 use crate::wire::Payload;
 
@@ -142,13 +140,10 @@ impl Streams {
     /// `REQUEST_DATA_STREAM`: the rate of a group; group 0 is all.
     pub fn legacy(&mut self, payload: Payload<'_>, own: Address, now: u64) {
         let (group, start) = (payload.byte(4), payload.byte(5));
-        let Some(asked) = payload.read_with::<REQUEST_DATA_STREAM_DATA>(&[(4, 0)]) else {
-            return;
-        };
-        if !own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(own, 2) {
             return;
         }
-        let interval = match (start, asked.req_message_rate) {
+        let interval = match (start, payload.word(0)) {
             (0, _) => None,
             (_, 0) => Some(0),
             (_, rate) => Some(1_000_000 / u32::from(rate)),

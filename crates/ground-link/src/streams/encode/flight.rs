@@ -140,7 +140,7 @@ pub(super) fn vfr_hud(source: &Source<'_>) -> Message {
         } else {
             (heading / 100) as i16
         },
-        throttle: scaled(t.throttle, 100.0, 0, (0, 100)),
+        throttle: scaled(t.throttle, 100, 0, (0, 100)),
     })
 }
 

@@ -37,9 +37,9 @@ pub(super) fn global_position(source: &Source<'_>) -> Option<Message> {
         lon: global.longitude,
         alt: global.altitude,
         relative_alt: above_home(global, t.home),
-        vx: short(velocity.x, 100.0),
-        vy: short(velocity.y, 100.0),
-        vz: short(velocity.z, 100.0),
+        vx: short(velocity.x, 100),
+        vy: short(velocity.y, 100),
+        vz: short(velocity.z, 100),
         hdg: centidegrees(t.attitude.map(|attitude| attitude.heading())),
     }))
 }
@@ -63,16 +63,16 @@ pub(super) fn gps_raw_int(source: &Source<'_>) -> Message {
         });
     };
     let [horizontal, vertical] = gnss.dilution;
-    let millimetres = |metres: f32| scaled(metres, 1e3, 0u32, (0, i32::MAX));
+    let millimetres = |metres: f32| scaled(metres, 1000, 0u32, (0, i32::MAX));
     let [h_acc, v_acc] = gnss.accuracy.map(millimetres);
     Message::of(&GPS_RAW_INT_DATA {
         time_usec: source.now,
         lat: gnss.position.latitude,
         lon: gnss.position.longitude,
         alt: gnss.position.altitude,
-        eph: word(horizontal, 100.0),
-        epv: word(vertical, 100.0),
-        vel: word(Some(gnss.speed), 100.0),
+        eph: word(horizontal, 100),
+        epv: word(vertical, 100),
+        vel: word(Some(gnss.speed), 100),
         cog: centidegrees(gnss.course),
         fix_type: match gnss.fix {
             Fix::None => GpsFixType::GPS_FIX_TYPE_NO_FIX,

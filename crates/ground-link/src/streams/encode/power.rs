@@ -47,10 +47,10 @@ pub(super) fn sys_status(source: &Source<'_>) -> Message {
         onboard_control_sensors_present: present,
         onboard_control_sensors_enabled: present,
         onboard_control_sensors_health: good,
-        load: scaled(t.load, 1000.0, 0, (0, 1000)),
-        voltage_battery: word(voltage, 1000.0),
+        load: scaled(t.load, 1000, 0, (0, 1000)),
+        voltage_battery: word(voltage, 1000),
         current_battery: amperes(current),
-        drop_rate_comm: scaled(source.loss, 10_000.0, 0, (0, 10_000)),
+        drop_rate_comm: scaled(source.loss, 10_000, 0, (0, 10_000)),
         battery_remaining: percent(remaining),
         onboard_control_sensors_present_extended: none,
         onboard_control_sensors_enabled_extended: none,
@@ -69,9 +69,9 @@ pub(super) fn battery_status(source: &Source<'_>) -> Message {
     } = source.telemetry.battery;
     let mut voltages = [u16::MAX; 10];
     let [first, ..] = &mut voltages;
-    *first = word(voltage, 1000.0);
+    *first = word(voltage, 1000);
     Message::of(&BATTERY_STATUS_DATA {
-        current_consumed: consumed.map_or(-1, |charge| scaled(charge / MAH, 1.0, -1, (0, i32::MAX))),
+        current_consumed: consumed.map_or(-1, |charge| scaled(charge / MAH, 1, -1, (0, i32::MAX))),
         energy_consumed: -1,
         temperature: i16::MAX,
         voltages,
@@ -90,10 +90,10 @@ pub(super) fn battery_status(source: &Source<'_>) -> Message {
 
 /// In 10 mA; -1 when unknown.
 fn amperes(current: Option<f32>) -> i16 {
-    scaled(current.unwrap_or(f32::NAN), 100.0, -1, (0, 0x7fff))
+    scaled(current.unwrap_or(f32::NAN), 100, -1, (0, 0x7fff))
 }
 
 /// In percent; -1 when unknown.
 fn percent(share: Option<f32>) -> i8 {
-    scaled(share.unwrap_or(f32::NAN), 100.0, -1, (0, 100))
+    scaled(share.unwrap_or(f32::NAN), 100, -1, (0, 100))
 }
