@@ -63,8 +63,8 @@ pub(crate) enum Reply {
     },
     Time {
         to: Address,
-        theirs: i64,
-        ours: i64,
+        theirs: u64,
+        ours: u64,
     },
     NoFiles {
         to: Address,

@@ -8,11 +8,12 @@
 mod constants;
 
 use heapless::Vec;
+use mavlink::MessageData;
 use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 use windhover_parameters::{Declaration, Refusal};
 
 use crate::checksum::update;
-use crate::frame::Address;
+use crate::frame::{Address, put};
 use crate::outbox::{Order, Outbox, Reply};
 use crate::request::Request;
 use crate::text::{Decimal, Severity};
@@ -261,24 +262,34 @@ fn following(table: &dyn ParameterTable, last: &str) -> Option<(&'static str, f3
     named.min_by_key(|(name, _)| *name)
 }
 
-/// `PARAM_VALUE` of one parameter.
-pub(crate) fn value_message(table: &dyn ParameterTable, index: u16) -> Option<Message> {
-    Some(Message::of(&PARAM_VALUE_DATA {
-        param_value: table.value(index)?,
-        param_count: table.count(),
-        param_index: index,
-        param_id: table.declaration(index)?.name.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    }))
+/// `PARAM_VALUE` of one parameter; `None` when there is no such one.
+pub(crate) fn value_message(table: &dyn ParameterTable, index: u16, m: &mut Message) -> Option<()> {
+    let (name, value) = (table.declaration(index)?.name, table.value(index)?);
+    let real = MavParamType::MAV_PARAM_TYPE_REAL32;
+    message(table, index, name, value, real, m);
+    Some(())
 }
 
 /// `PARAM_VALUE` of the hash: 32 bits that are no float, and belong to no index.
-pub(crate) fn hash_message(table: &dyn ParameterTable) -> Message {
-    Message::of(&PARAM_VALUE_DATA {
-        param_value: f32::from_bits(hash(table)),
-        param_count: table.count(),
-        param_index: u16::MAX,
-        param_id: HASH.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_UINT32,
-    })
+pub(crate) fn hash_message(table: &dyn ParameterTable, m: &mut Message) {
+    let (hash, bits) = (f32::from_bits(hash(table)), MavParamType::MAV_PARAM_TYPE_UINT32);
+    message(table, u16::MAX, HASH, hash, bits, m);
+}
+
+fn message(
+    table: &dyn ParameterTable,
+    index: u16,
+    name: &str,
+    value: f32,
+    kind: MavParamType,
+    m: &mut Message,
+) {
+    let mut id = [0; NAME];
+    put(&mut id, name.as_bytes());
+    m.start(PARAM_VALUE_DATA::ID)
+        .floats(&[value])
+        .word(table.count())
+        .word(index)
+        .bytes(&id)
+        .byte(kind as u8);
 }

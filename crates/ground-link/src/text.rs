@@ -3,7 +3,8 @@
 use core::fmt::{self, Write};
 
 use heapless::{Deque, String};
-use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
+use mavlink::MessageData;
+use mavlink::dialects::common::STATUSTEXT_DATA;
 
 use crate::wire::Message;
 
@@ -16,7 +17,7 @@ const LINES: usize = 6;
 /// Bytes of a line in one message.
 const PART: usize = 50;
 
-/// How bad it is (`MAV_SEVERITY`).
+/// How bad it is (`MAV_SEVERITY`, with its numbers).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The vehicle is unusable.
@@ -35,21 +36,6 @@ pub enum Severity {
     Info,
     /// For developers.
     Debug,
-}
-
-impl Severity {
-    fn wire(self) -> MavSeverity {
-        match self {
-            Self::Emergency => MavSeverity::MAV_SEVERITY_EMERGENCY,
-            Self::Alert => MavSeverity::MAV_SEVERITY_ALERT,
-            Self::Critical => MavSeverity::MAV_SEVERITY_CRITICAL,
-            Self::Error => MavSeverity::MAV_SEVERITY_ERROR,
-            Self::Warning => MavSeverity::MAV_SEVERITY_WARNING,
-            Self::Notice => MavSeverity::MAV_SEVERITY_NOTICE,
-            Self::Info => MavSeverity::MAV_SEVERITY_INFO,
-            Self::Debug => MavSeverity::MAV_SEVERITY_DEBUG,
-        }
-    }
 }
 
 /// A line of text of at most so many bytes, that ends where it is full.
@@ -145,7 +131,7 @@ impl Texts {
     }
 
     /// The next part to be sent.
-    pub(crate) fn next(&mut self) -> Option<Message> {
+    pub(crate) fn next(&mut self, m: &mut Message) -> Option<()> {
         let waiting = self.lines.front()?;
         let text = waiting.line.as_str().as_bytes();
         let from = usize::from(self.part) * PART;
@@ -153,12 +139,11 @@ impl Texts {
         let mut part = [0; PART];
         crate::frame::put(&mut part, rest);
         let alone = text.len() <= PART;
-        let message = STATUSTEXT_DATA {
-            severity: waiting.severity.wire(),
-            text: part.into(),
-            id: if alone { 0 } else { self.line.saturating_add(1) },
-            chunk_seq: self.part,
-        };
+        m.start(STATUSTEXT_DATA::ID)
+            .byte(waiting.severity as u8)
+            .bytes(&part)
+            .word(if alone { 0 } else { self.line.saturating_add(1) })
+            .byte(self.part);
         // A part that is not full is the last one: a line that fills its parts needs one more.
         if alone || rest.len() < PART {
             self.lines.pop_front();
@@ -167,7 +152,7 @@ impl Texts {
         } else {
             self.part += 1;
         }
-        Some(Message::of(&message))
+        Some(())
     }
 }
 
@@ -184,7 +169,8 @@ mod tests {
     use super::*;
 
     fn parts(texts: &mut Texts) -> Vec<(u16, u8, String)> {
-        core::iter::from_fn(|| texts.next())
+        let mut message = Message::empty();
+        core::iter::from_fn(|| texts.next(&mut message).map(|()| message))
             .map(|message| {
                 let data: STATUSTEXT_DATA =
                     STATUSTEXT_DATA::deser(MavlinkVersion::V2, message.payload()).unwrap();

@@ -1,13 +1,12 @@
-//! Payloads: read field by field, written by the crate `mavlink`'s types.
+//! Payloads: read and written field by field.
 //!
-//! What comes is read by the places of its fields (`common.xml`; fields of a message are ordered
-//! by their size, extensions follow). The crate's types would refuse a message whose enumerations
-//! hold a number that they do not know; here such a number must be answered, not ignored. It takes
-//! much less flash as well. The tests send by the crate's types: a wrong place would show.
+//! Fields have their places by `common.xml`: those of a message are ordered by their size, and
+//! extensions follow as they are listed. The crate `mavlink`'s types would refuse a message whose
+//! enumerations hold a number that they do not know; here such a number must be answered, not
+//! ignored. They take much more flash as well. The tests send and read by the crate's types, so
+//! that a wrong place shows.
 
-use mavlink::{MavlinkVersion, MessageData};
-
-use crate::frame::{Address, MAX_PAYLOAD};
+use crate::frame::{Address, MAX_PAYLOAD, put};
 
 /// A payload as it came.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +77,7 @@ pub(crate) fn text(bytes: &[u8]) -> &str {
     core::str::from_utf8(used).unwrap_or_default()
 }
 
-/// A message to be sent.
+/// A message to be sent, written field by field in the order of the wire.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Message {
     /// Its number.
@@ -88,34 +87,91 @@ pub(crate) struct Message {
 }
 
 impl Message {
-    /// The message as the crate writes it.
-    pub fn of<M: MessageData>(message: &M) -> Self {
-        let mut bytes = [0; MAX_PAYLOAD];
-        // The length that comes back leaves out zeros; a byte may still be set there.
-        message.ser(MavlinkVersion::V2, &mut bytes);
+    /// Nothing yet.
+    pub const fn empty() -> Self {
         Self {
-            id: M::ID,
-            bytes,
-            length: M::ENCODED_LEN,
+            id: 0,
+            bytes: [0; MAX_PAYLOAD],
+            length: 0,
         }
     }
 
-    /// The same with another byte in a place.
+    /// Starts anew, with this number.
     #[inline(never)]
-    pub fn with_byte(mut self, at: usize, byte: u8) -> Self {
-        if let Some(place) = self.bytes.get_mut(at) {
-            *place = byte;
+    pub fn start(&mut self, id: u32) -> &mut Self {
+        self.id = id;
+        self.length = 0;
+        self
+    }
+
+    /// Puts bytes at the end; what does not fit is left out.
+    #[inline(never)]
+    pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+        let room = self.bytes.get_mut(self.length..).unwrap_or_default();
+        self.length += room.len().min(bytes.len());
+        put(room, bytes);
+        self
+    }
+
+    /// A byte.
+    #[inline(never)]
+    pub fn byte(&mut self, byte: u8) -> &mut Self {
+        self.bytes(&[byte])
+    }
+
+    /// Two bytes.
+    #[inline(never)]
+    pub fn word(&mut self, word: u16) -> &mut Self {
+        self.bytes(&word.to_le_bytes())
+    }
+
+    /// The same, with a sign.
+    pub fn short(&mut self, short: i16) -> &mut Self {
+        self.word(short.cast_unsigned())
+    }
+
+    /// Four bytes.
+    #[inline(never)]
+    pub fn long(&mut self, long: u32) -> &mut Self {
+        self.bytes(&long.to_le_bytes())
+    }
+
+    /// The same, with a sign.
+    pub fn integer(&mut self, integer: i32) -> &mut Self {
+        self.long(integer.cast_unsigned())
+    }
+
+    /// Eight bytes.
+    #[inline(never)]
+    pub fn huge(&mut self, huge: u64) -> &mut Self {
+        self.bytes(&huge.to_le_bytes())
+    }
+
+    /// Floats in a row, bit for bit.
+    #[inline(never)]
+    pub fn floats(&mut self, floats: &[f32]) -> &mut Self {
+        for float in floats {
+            self.long(float.to_bits());
         }
         self
     }
 
-    /// The same with two other bytes from a place on.
-    pub fn with_word(self, at: usize, word: u16) -> Self {
-        let [low, high] = word.to_le_bytes();
-        self.with_byte(at, low).with_byte(at + 1, high)
+    /// Fields that are not told: so many bytes of zero.
+    #[inline(never)]
+    pub fn zeros(&mut self, count: usize) -> &mut Self {
+        for _ in 0..count {
+            self.byte(0);
+        }
+        self
     }
 
-    /// Its bytes, zeros at the end included.
+    /// An address as a target.
+    #[inline(never)]
+    pub fn target(&mut self, to: Address) -> &mut Self {
+        self.byte(to.system).byte(to.component)
+    }
+
+    /// What was written.
     pub fn payload(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or(&self.bytes)
     }
@@ -123,21 +179,25 @@ impl Message {
 
 #[cfg(test)]
 mod tests {
-    use mavlink::dialects::common::{MISSION_COUNT_DATA, MavMissionType};
-
     use super::*;
 
-    /// Extension fields are really written.
     #[test]
-    fn the_type_of_a_mission_is_written() {
-        let message = Message::of(&MISSION_COUNT_DATA {
-            count: 3,
-            mission_type: MavMissionType::MAV_MISSION_TYPE_RALLY,
-            ..MISSION_COUNT_DATA::DEFAULT
-        });
-        assert_eq!(message.payload(), &[3, 0, 0, 0, 2, 0, 0, 0, 0]);
+    fn fields_are_written_in_order_and_no_further_than_there_is_room() {
+        let mut message = Message::empty();
+        message
+            .start(1)
+            .word(0x0201)
+            .short(-1)
+            .integer(-2)
+            .floats(&[1.0])
+            .zeros(1)
+            .byte(9);
+        let expected = [1, 2, 0xff, 0xff, 0xfe, 0xff, 0xff, 0xff, 0, 0, 0x80, 0x3f, 0, 9];
+        assert_eq!(message.payload(), expected);
+        message.start(2).zeros(250).huge(u64::MAX);
+        assert_eq!((message.payload().len(), message.payload()[254]), (255, 0xff));
+        assert_eq!((message.id, message.start(3).payload().len()), (2, 0));
     }
-
     #[test]
     fn fields_are_read_lowest_byte_first_and_zeros_beyond_the_end() {
         let payload = Payload(&[1, 2, 3, 0x80, 0xff, 0xff, 0, 0, 0x80, 0x3f]);

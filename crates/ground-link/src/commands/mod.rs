@@ -8,6 +8,7 @@ mod arguments;
 mod translate;
 
 use heapless::Vec;
+use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavResult};
 
 use crate::frame::{Address, crc};
@@ -54,8 +55,8 @@ macro_rules! results {
         }
 
         impl CommandResult {
-            pub(crate) const fn wire(self) -> MavResult {
-                match self { $(Self::$name => MavResult::$wire,)* }
+            pub(crate) const fn wire(self) -> u8 {
+                match self { $(Self::$name => MavResult::$wire as u8,)* }
             }
         }
     };
@@ -301,13 +302,11 @@ pub(crate) fn acknowledge(outbox: &mut Outbox, to: Address, command: u16, result
 }
 
 /// `COMMAND_ACK`.
-pub(crate) fn ack_message(to: Address, command: u16, result: CommandResult, progress: u8) -> Message {
-    Message::of(&COMMAND_ACK_DATA {
-        result: result.wire(),
-        progress,
-        target_system: to.system,
-        target_component: to.component,
-        ..COMMAND_ACK_DATA::DEFAULT
-    })
-    .with_word(0, command)
+pub(crate) fn ack_message(to: Address, command: u16, result: CommandResult, progress: u8, m: &mut Message) {
+    m.start(COMMAND_ACK_DATA::ID)
+        .word(command)
+        .byte(result.wire())
+        .byte(progress)
+        .zeros(4) // a second result
+        .target(to);
 }

@@ -14,7 +14,7 @@ use crate::request::Request;
 use crate::setpoints;
 use crate::streams::{self, encode};
 use crate::text::Severity;
-use crate::wire::Payload;
+use crate::wire::{Message, Payload};
 
 /// `MAV_TYPE_GCS`.
 const GROUND_STATION: u8 = wire::MavType::MAV_TYPE_GCS as u8;
@@ -159,10 +159,11 @@ impl Core {
             Ours::Once { message: 300, .. } => (CommandResult::Accepted, Some(Reply::Protocol)),
             Ours::Once { message, .. } if !streams::exists(message) => (CommandResult::Unsupported, None),
             Ours::Once { message, .. } => {
-                let source = self.source(now, context);
-                match encode::message(number(message), &source) {
-                    Some(_) => (CommandResult::Accepted, Some(Reply::Telemetry(number(message)))),
-                    None => (CommandResult::TemporarilyRejected, None),
+                // Written twice, so that what is not known now is refused.
+                let number = number(message);
+                match encode::message(number, &self.source(now, context), &mut Message::empty()) {
+                    true => (CommandResult::Accepted, Some(Reply::Telemetry(number))),
+                    false => (CommandResult::TemporarilyRejected, None),
                 }
             }
             Ours::Every { message, interval } => match self.streams.set(message, interval, now) {
@@ -253,10 +254,10 @@ impl Core {
     fn time(&mut self, payload: Payload<'_>, from: Address, now: u64) {
         let is_asked = payload.huge(0) == 0;
         if is_asked && payload.is_for(self.config.address, 16) {
-            let ours = i64::try_from(now.saturating_mul(1000)).unwrap_or(i64::MAX);
+            let ours = now.saturating_mul(1000);
             self.outbox.reply(Reply::Time {
                 to: from,
-                theirs: payload.huge(8).cast_signed(),
+                theirs: payload.huge(8),
                 ours,
             });
         }

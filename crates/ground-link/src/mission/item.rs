@@ -1,5 +1,6 @@
 //! Items between the wire and the form in which they are kept.
 
+use mavlink::MessageData;
 use mavlink::dialects::common::{MISSION_ITEM_INT_DATA, MavFrame};
 use windhover_autopilot::mission::MissionItem;
 
@@ -60,30 +61,25 @@ pub(crate) fn item_message(
     index: u16,
     current: bool,
     item: &MissionItem,
-) -> Message {
-    let [param1, param2, param3, param4] = item.params;
-    Message::of(&MISSION_ITEM_INT_DATA {
-        param1,
-        param2,
-        param3,
-        param4,
-        x: item.x,
-        y: item.y,
-        z: item.z,
-        seq: index,
-        target_system: to.system,
-        target_component: to.component,
-        current: u8::from(current),
-        autocontinue: u8::from(item.autocontinue),
-        mission_type: kind.wire(),
-        ..MISSION_ITEM_INT_DATA::DEFAULT
-    })
-    .with_word(COMMAND, item.command)
-    .with_byte(FRAME, item.frame)
+    m: &mut Message,
+) {
+    m.start(MISSION_ITEM_INT_DATA::ID)
+        .floats(&item.params)
+        .integer(item.x)
+        .integer(item.y)
+        .floats(&[item.z])
+        .word(index)
+        .word(item.command)
+        .target(to)
+        .byte(item.frame)
+        .byte(u8::from(current))
+        .byte(u8::from(item.autocontinue))
+        .byte(kind.code());
 }
 
 #[cfg(test)]
 mod tests {
+    use mavlink::MavlinkVersion;
     use mavlink::dialects::common::MISSION_ITEM_DATA;
 
     use super::*;
@@ -108,7 +104,8 @@ mod tests {
             system: 1,
             component: 1,
         };
-        let message = item_message(to, PlanKind::Fence, 77, true, &item);
+        let mut message = Message::empty();
+        item_message(to, PlanKind::Fence, 77, true, &item, &mut message);
         let payload = Payload(message.payload());
         let read = read(payload, false);
         assert_eq!((read.index, read.kind), (77, Ok(PlanKind::Fence)));
@@ -121,13 +118,14 @@ mod tests {
 
     #[test]
     fn an_item_in_degrees_becomes_integers() {
+        let mut payload = [0; 38];
         let data = MISSION_ITEM_DATA {
             x: 47.5,
             y: -8.25,
             ..MISSION_ITEM_DATA::DEFAULT
         };
-        let message = Message::of(&data);
-        let read = read(Payload(message.payload()), true);
+        data.ser(MavlinkVersion::V2, &mut payload);
+        let read = read(Payload(&payload), true);
         assert_eq!((read.item.x, read.item.y), (475_000_000, -82_500_000));
     }
 }

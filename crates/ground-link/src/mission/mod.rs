@@ -11,6 +11,7 @@ mod refusal;
 mod upload;
 
 use heapless::Vec;
+use mavlink::MessageData;
 use mavlink::dialects::common::{
     MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA, MavMissionType,
 };
@@ -139,34 +140,28 @@ fn commit_empty(kind: PlanKind, plans: &mut dyn PlanStore) -> Result<(), PlanRef
     outcome
 }
 
-/// `MISSION_ACK`.
-pub(crate) fn ack_message(to: Address, kind: u8, result: MissionResult) -> Message {
-    Message::of(&MISSION_ACK_DATA {
-        target_system: to.system,
-        target_component: to.component,
-        mavtype: result.wire(),
-        ..MISSION_ACK_DATA::DEFAULT
-    })
-    .with_byte(3, kind)
+/// `MISSION_ACK`; `plan` names the plan that is in use then.
+pub(crate) fn ack_message(to: Address, kind: u8, result: MissionResult, plan: u32, m: &mut Message) {
+    m.start(MISSION_ACK_DATA::ID)
+        .target(to)
+        .byte(result.wire())
+        .byte(kind)
+        .long(plan);
 }
 
 /// `MISSION_COUNT`.
-pub(crate) fn count_message(to: Address, kind: PlanKind, count: u16, crc: u32) -> Message {
-    Message::of(&MISSION_COUNT_DATA {
-        count,
-        target_system: to.system,
-        target_component: to.component,
-        mission_type: kind.wire(),
-        opaque_id: crc,
-    })
+pub(crate) fn count_message(to: Address, kind: PlanKind, count: u16, crc: u32, m: &mut Message) {
+    m.start(MISSION_COUNT_DATA::ID)
+        .word(count)
+        .target(to)
+        .byte(kind.code())
+        .long(crc);
 }
 
 /// `MISSION_REQUEST_INT`.
-pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16) -> Message {
-    Message::of(&MISSION_REQUEST_INT_DATA {
-        seq: index,
-        target_system: to.system,
-        target_component: to.component,
-        mission_type: kind.wire(),
-    })
+pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16, m: &mut Message) {
+    m.start(MISSION_REQUEST_INT_DATA::ID)
+        .word(index)
+        .target(to)
+        .byte(kind.code());
 }

@@ -232,7 +232,7 @@ impl MissionService {
     /// `MISSION_ACK` from the client: anything but "accepted" ends its upload.
     pub fn acknowledged(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
         let (result, kind) = (payload.byte(2), payload.byte(3));
-        if result == MissionResult::Accepted.wire() as u8 || !payload.is_for(around.own, 0) {
+        if result == MissionResult::Accepted.wire() || !payload.is_for(around.own, 0) {
             return;
         }
         let its_own = |upload: &Upload| upload.from == from && upload.kind.code() == kind;

@@ -1,4 +1,4 @@
-//! Telemetry as messages.
+//! Telemetry as messages: each function writes the fields of one, in the order of the wire.
 
 mod flight;
 mod place;
@@ -29,27 +29,28 @@ impl Source<'_> {
     }
 }
 
-/// A message of telemetry by its number; `None` when there is no such one, or when nothing is
+/// A message of telemetry by its number; `false` when there is no such one, or when nothing is
 /// known that it could say.
-pub(crate) fn message(number: u16, source: &Source<'_>) -> Option<Message> {
-    match number {
-        0 => Some(flight::heartbeat(source)),
-        1 => Some(power::sys_status(source)),
-        2 => Some(flight::system_time(source)),
-        24 => Some(place::gps_raw_int(source)),
-        30 => flight::attitude(source),
-        31 => flight::attitude_quaternion(source),
-        32 => place::local_position(source),
-        33 => place::global_position(source),
-        36 => Some(flight::servo_output(source)),
-        42 => Some(flight::mission_current(source)),
-        74 => Some(flight::vfr_hud(source)),
-        147 => Some(power::battery_status(source)),
-        242 => place::home_position(source),
-        245 => Some(flight::extended_sys_state(source)),
+pub(crate) fn message(number: u16, source: &Source<'_>, m: &mut Message) -> bool {
+    m.start(u32::from(number));
+    let written = match number {
+        0 => Some(flight::heartbeat(source, m)),
+        1 => Some(power::sys_status(source, m)),
+        2 => Some(flight::system_time(source, m)),
+        24 => Some(place::gps_raw_int(source, m)),
+        30 => flight::attitude(source, m),
+        31 => flight::attitude_quaternion(source, m),
+        32 => place::local_position(source, m),
+        33 => place::global_position(source, m),
+        36 => Some(flight::servo_output(source, m)),
+        42 => Some(flight::mission_current(source, m)),
+        74 => Some(flight::vfr_hud(source, m)),
+        147 => Some(power::battery_status(source, m)),
+        242 => place::home_position(source, m),
+        245 => Some(flight::extended_sys_state(source, m)),
         _ => None,
-    }
+    };
+    written.is_some()
 }
 
-pub(crate) use flight::reached;
 pub(crate) use place::image_captured;
