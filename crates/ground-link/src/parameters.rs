@@ -7,7 +7,6 @@
 
 mod constants;
 
-use heapless::Vec;
 use mavlink::MessageData;
 use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 use windhover_parameters::{Declaration, Refusal};
@@ -78,7 +77,7 @@ struct Write {
 pub(crate) struct ParameterService {
     /// The next parameter of the list that is being sent.
     listing: Option<u16>,
-    writes: Vec<Write, WRITES>,
+    writes: [Option<Write>; WRITES],
 }
 
 /// What the service works with.
@@ -163,50 +162,52 @@ impl ParameterService {
 
     fn write(&mut self, write: Write, from: Address, around: &mut Surroundings<'_>) {
         let shown = around.table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
-        if shown && !self.writes.iter().any(|other| other.index == write.index) {
+        let is_same = |other: &Option<Write>| other.is_some_and(|other| other.index == write.index);
+        let known = self.writes.iter().position(is_same);
+        if shown && known.is_none() {
             return around.outbox.reply(Reply::Parameter(write.index));
         }
         let request = Request::WriteParameter {
             index: write.index,
             value: write.value,
         };
-        self.writes.retain(|other| other.index != write.index);
         let order = Order {
             request,
             from,
             id: None,
         };
-        if self.writes.is_full() || !around.outbox.request(order) {
+        let free = known.or_else(|| self.writes.iter().position(Option::is_none));
+        let place = free.and_then(|free| self.writes.get_mut(free));
+        let Some(place) = place.filter(|_| around.outbox.request(order)) else {
             around.outbox.reply(Reply::Parameter(write.index));
             return around
                 .outbox
                 .say(Severity::Warning, format_args!("parameter not set: busy"));
-        }
-        let _ = self.writes.push(write);
+        };
+        *place = Some(write);
     }
 
     /// A write was refused by the vehicle.
     pub fn refused(&mut self, index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
-        let before = self.writes.len();
-        self.writes.retain(|write| write.index != index);
-        if self.writes.len() < before {
-            refuse(index, refusal, around);
+        let is_its = |write: &Option<Write>| write.is_some_and(|write| write.index == index);
+        for write in &mut self.writes {
+            if is_its(write) {
+                *write = None;
+                refuse(index, refusal, around);
+            }
         }
     }
 
     /// Answers writes that the table shows, or has not shown in time.
     pub fn poll(&mut self, around: &mut Surroundings<'_>) {
-        let Surroundings {
-            table, outbox, now, ..
-        } = around;
-        self.writes.retain(|write| {
-            let shown = table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
-            if shown || *now >= write.deadline {
-                outbox.reply(Reply::Parameter(write.index));
-                return false;
+        for place in &mut self.writes {
+            let Some(write) = place else { continue };
+            let value = around.table.value(write.index).map(f32::to_bits);
+            if value == Some(write.value.to_bits()) || around.now >= write.deadline {
+                around.outbox.reply(Reply::Parameter(write.index));
+                *place = None;
             }
-            true
-        });
+        }
     }
 
     /// The next parameter of the list that is being sent.
@@ -217,6 +218,7 @@ impl ParameterService {
     }
 }
 
+#[inline(never)]
 fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
     around.outbox.reply(Reply::Parameter(index));
     let name = around

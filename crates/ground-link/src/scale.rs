@@ -36,6 +36,21 @@ pub(crate) fn integer(value: f32, factor: u32) -> i32 {
     if value < 0.0 { -size } else { size }
 }
 
+/// A time divided by 10 or 1000: by long division with digits of 16 bits,
+/// because 64 bits are divided in software.
+#[inline(never)]
+pub(crate) fn divided(time: u64, divisor: u16) -> u64 {
+    let divisor = u32::from(divisor);
+    let (mut rest, mut quotient) = (0, 0);
+    for shift in [48, 32, 16, 0] {
+        let digit = rest << 16 | (time >> shift) as u32 & 0xffff;
+        let part = digit.checked_div(divisor).unwrap_or_default();
+        rest = digit - part * divisor;
+        quotient = quotient << 16 | u64::from(part);
+    }
+    quotient
+}
+
 /// A float that may say "unset".
 pub(crate) fn set(value: f32) -> Option<f32> {
     value.is_finite().then(|| value.clamp(-LARGEST, LARGEST))
@@ -104,6 +119,11 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn times_are_divided_as_by_the_operator(time in any::<u64>(), divisor in prop::sample::select(&[10u16, 1000, u16::MAX][..])) {
+            prop_assert_eq!(divided(time, divisor), time / u64::from(divisor));
+        }
+
         /// A product of 24 and 29 bits is exact in `f64`: the reference.
         #[test]
         fn every_float_is_multiplied_as_by_f64(bits in any::<u32>(), factor in prop::sample::select(&[1u32, 100, 1000, 10_000, 10_000_000][..])) {

@@ -7,7 +7,7 @@ use windhover_autopilot::mission::action::Altitude;
 use windhover_math::{Quaternion, Vector3, saturate};
 
 use crate::frame::Address;
-use crate::request::Ground;
+use crate::request::{Ground, Request};
 use crate::scale::set;
 use crate::wire::Payload;
 
@@ -112,7 +112,7 @@ pub enum Channel {
 }
 
 /// `SET_POSITION_TARGET_LOCAL_NED`; `None` when it is for another, or in a frame not understood.
-pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
+pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Request> {
     if !payload.is_for(own, TARGET) {
         return None;
     }
@@ -122,15 +122,15 @@ pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
         8 | 9 | 12 => LocalFrame::Body,
         _ => return None,
     };
-    Some(Setpoint::Local {
+    Some(Request::Offboard(Setpoint::Local {
         frame,
         position: masked(payload.floats(POSITION), payload.word(MASK), 0),
         motion: motion(payload),
-    })
+    }))
 }
 
 /// `SET_POSITION_TARGET_GLOBAL_INT`; `None` also when it is not on Earth.
-pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
+pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Request> {
     if !payload.is_for(own, TARGET) {
         return None;
     }
@@ -148,15 +148,15 @@ pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
     if on_map && !ground.is_on_earth() {
         return None;
     }
-    Some(Setpoint::Global {
+    Some(Request::Offboard(Setpoint::Global {
         ground: on_map.then_some(ground),
         altitude: unmasked(payload.float(POSITION + 8), mask, 2).map(datum),
         motion: motion(payload),
-    })
+    }))
 }
 
 /// `SET_ATTITUDE_TARGET`.
-pub(crate) fn attitude(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
+pub(crate) fn attitude(payload: Payload<'_>, own: Address) -> Option<Request> {
     if !payload.is_for(own, 36) {
         return None;
     }
@@ -165,15 +165,15 @@ pub(crate) fn attitude(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
     let attitude = Quaternion::new(w, x, y, z);
     let norm = attitude.dot(attitude);
     let is_rotation = norm > 0.8 && norm < 1.2;
-    Some(Setpoint::Attitude {
+    Some(Request::Offboard(Setpoint::Attitude {
         attitude: (mask & 1 << 7 == 0 && is_rotation).then(|| attitude.normalized()),
         rate: masked(payload.floats(20), mask, 0),
         thrust: unmasked(payload.float(32), mask, 6).map(|thrust| thrust.clamp(0.0, 1.0)),
-    })
+    }))
 }
 
 /// `MANUAL_CONTROL`.
-pub(crate) fn sticks(payload: Payload<'_>, own: Address) -> Option<Sticks> {
+pub(crate) fn sticks(payload: Payload<'_>, own: Address) -> Option<Request> {
     if payload.byte(10) != own.system {
         return None;
     }
@@ -181,18 +181,18 @@ pub(crate) fn sticks(payload: Payload<'_>, own: Address) -> Option<Sticks> {
         let value = payload.short(at);
         (value != NO_STICK).then(|| saturate(f32::from(value) * 1e-3, 1.0))
     });
-    Some(Sticks {
+    Some(Request::Sticks(Sticks {
         pitch,
         roll,
         throttle: throttle.map(|throttle| throttle.clamp(0.0, 1.0)),
         yaw,
         buttons: payload.word(8),
-    })
+    }))
 }
 
 /// `RC_CHANNELS_OVERRIDE`: up to channel 8 nothing is 65535 and 0 gives back; beyond, which comes
 /// behind the target, 0 is nothing too and 65534 gives back.
-pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Channels> {
+pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Request> {
     if !payload.is_for(own, 16) {
         return None;
     }
@@ -208,7 +208,7 @@ pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Channels> {
             pulse => Channel::Pulse(pulse),
         }
     });
-    Some(Channels { channels })
+    Some(Request::Channels(Channels { channels }))
 }
 
 /// Velocity, acceleration and heading, as far as the mask does not leave them out.

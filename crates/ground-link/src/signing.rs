@@ -6,6 +6,7 @@
 //! bounded and never forgets one, so that nothing old is taken for new.
 
 use crate::frame::{Address, Frame, SIGNATURE};
+use crate::scale::divided;
 use crate::sha256::Sha256;
 use heapless::Vec;
 
@@ -171,7 +172,7 @@ fn admit(streams: &mut Vec<Stream, STREAMS>, sender: Address, link: u8, time: u6
 
 impl Key {
     fn at(&self, now: u64) -> u64 {
-        self.time.saturating_add(now.saturating_sub(self.since) / 10)
+        self.time.saturating_add(divided(now.saturating_sub(self.since), 10))
     }
 
     /// Others may know the time better: ours is never behind one that was accepted.

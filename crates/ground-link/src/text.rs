@@ -40,9 +40,9 @@ pub enum Severity {
 
 /// A line of text of at most so many bytes, that ends where it is full.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Line<const LENGTH: usize = LINE>(String<LENGTH>);
+pub struct Line(String<LINE>);
 
-impl<const LENGTH: usize> Line<LENGTH> {
+impl Line {
     /// What `text` says, as far as it fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
         let mut line = Self::default();
@@ -56,12 +56,12 @@ impl<const LENGTH: usize> Line<LENGTH> {
     }
 }
 
-impl<const LENGTH: usize> Write for Line<LENGTH> {
+impl Write for Line {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        for letter in text.chars() {
-            self.0.push(letter).map_err(|_| fmt::Error)?;
-        }
-        Ok(())
+        let fits = text.floor_char_boundary(LINE - self.0.len());
+        let (fitting, rest) = text.split_at_checked(fits).unwrap_or_default();
+        let taken = self.0.push_str(fitting);
+        if rest.is_empty() { taken.map_err(|_| fmt::Error) } else { Err(fmt::Error) }
     }
 }
 
@@ -210,7 +210,7 @@ mod tests {
             texts.say(Severity::Info, format_args!("{:ä<300}", ""));
         }
         assert_eq!(texts.dropped(), 3);
-        assert_eq!(<Line>::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+        assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
     }
 
     #[test]

@@ -7,7 +7,6 @@
 mod arguments;
 mod translate;
 
-use heapless::Vec;
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavResult};
 
@@ -102,7 +101,7 @@ struct Entry {
 /// The state of the protocol.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CommandService {
-    entries: Vec<Entry, COMMANDS>,
+    entries: [Option<Entry>; COMMANDS],
     last: u16,
 }
 
@@ -185,7 +184,8 @@ impl CommandService {
         let same = |entry: &&Entry| {
             (entry.from, entry.command, entry.digest) == (from, arrival.command, arrival.digest)
         };
-        let Some(entry) = self.entries.iter().rev().find(same) else {
+        let entries = self.entries.iter().flatten().filter(same);
+        let Some(entry) = entries.max_by_key(|entry| entry.came) else {
             return false;
         };
         match entry.result {
@@ -213,12 +213,12 @@ impl CommandService {
             from,
             id: Some(id),
         };
-        if !self.has_room() || !around.outbox.request(order) {
+        let place = self.place();
+        let Some(place) = place.filter(|_| around.outbox.request(order)) else {
             let busy = CommandResult::TemporarilyRejected;
             return acknowledge(around.outbox, from, arrival.command, busy);
-        }
-        self.last = self.last.wrapping_add(1);
-        let _ = self.entries.push(Entry {
+        };
+        *place = Some(Entry {
             id,
             from,
             command: arrival.command,
@@ -227,16 +227,18 @@ impl CommandService {
             in_progress: false,
             result: None,
         });
+        self.last = self.last.wrapping_add(1);
     }
 
-    /// Makes room by forgetting the oldest command that was answered.
-    fn has_room(&mut self) -> bool {
-        if self.entries.is_full()
-            && let Some(oldest) = self.entries.iter().position(|entry| entry.result.is_some())
-        {
-            self.entries.remove(oldest);
-        }
-        !self.entries.is_full()
+    /// A place for a command: a free one, or that of the command that was answered first.
+    fn place(&mut self) -> Option<&mut Option<Entry>> {
+        let age = |place: &&mut Option<Entry>| match place {
+            None => 0,
+            Some(entry) => entry.result.map_or(u64::MAX, |(_, at)| at.saturating_add(1)),
+        };
+        let oldest = self.entries.iter_mut().min_by_key(age)?;
+        let is_under_way = oldest.is_some_and(|entry| entry.result.is_none());
+        (!is_under_way).then_some(oldest)
     }
 
     /// A command was done, or not. A second answer to the same command is ignored.
@@ -264,14 +266,14 @@ impl CommandService {
     }
 
     fn waiting(&mut self, id: CommandId) -> Option<&mut Entry> {
-        self.entries
-            .iter_mut()
-            .find(|entry| entry.id == id && entry.result.is_none())
+        let mut entries = self.entries.iter_mut().flatten();
+        entries.find(|entry| entry.id == id && entry.result.is_none())
     }
 
     /// Acknowledges what takes longer, and gives up what was never answered.
     pub fn poll(&mut self, outbox: &mut Outbox, now: u64) {
-        for entry in self.entries.iter_mut().filter(|entry| entry.result.is_none()) {
+        let entries = self.entries.iter_mut().flatten();
+        for entry in entries.filter(|entry| entry.result.is_none()) {
             let age = now.saturating_sub(entry.came);
             let result = match age {
                 FAILED.. => CommandResult::Failed,

@@ -192,27 +192,23 @@ impl Core {
 
     #[inline(never)]
     fn take_setpoint(&mut self, frame: &Frame<'_>) -> bool {
-        let (from, payload, own) = (frame.source, Payload(frame.payload), self.config.address);
-        let with = |setpoint| Some((from, setpoint));
-        match frame.id {
-            wire::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
-                self.setpoint = setpoints::local(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => {
-                self.setpoint = setpoints::global(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::SET_ATTITUDE_TARGET_DATA::ID => {
-                self.setpoint = setpoints::attitude(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::MANUAL_CONTROL_DATA::ID => {
-                let sticks = setpoints::sticks(payload, own);
-                self.sticks = sticks.map(|sticks| (from, sticks)).or(self.sticks);
-            }
-            wire::RC_CHANNELS_OVERRIDE_DATA::ID => {
-                let channels = setpoints::channels(payload, own);
-                self.channels = channels.map(|channels| (from, channels)).or(self.channels);
-            }
+        let (payload, own) = (Payload(frame.payload), self.config.address);
+        let (place, request) = match frame.id {
+            wire::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => (0, setpoints::local(payload, own)),
+            wire::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => (0, setpoints::global(payload, own)),
+            wire::SET_ATTITUDE_TARGET_DATA::ID => (0, setpoints::attitude(payload, own)),
+            wire::MANUAL_CONTROL_DATA::ID => (1, setpoints::sticks(payload, own)),
+            wire::RC_CHANNELS_OVERRIDE_DATA::ID => (2, setpoints::channels(payload, own)),
             _ => return false,
+        };
+        if let Some(request) = request
+            && let Some(place) = self.newest.get_mut(place)
+        {
+            *place = Some(Order {
+                request,
+                from: frame.source,
+                id: None,
+            });
         }
         true
     }

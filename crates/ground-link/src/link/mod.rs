@@ -16,8 +16,6 @@ use crate::frame::{Address, Counts, Losses, Parser, Writer};
 use crate::mission::{MissionService, PlanStore};
 use crate::outbox::{Dropped, Order, Outbox, Reply};
 use crate::parameters::{self, ParameterService, ParameterTable};
-use crate::request::Request;
-use crate::setpoints::{Channels, Setpoint, Sticks};
 use crate::signing::{Refusals, Signing};
 use crate::streams::Streams;
 use crate::streams::budget::Budget;
@@ -135,9 +133,8 @@ struct Core {
     streams: Streams,
     budget: Budget,
     photos: Deque<Photo, PHOTOS>,
-    setpoint: Option<(Address, Setpoint)>,
-    sticks: Option<(Address, Sticks)>,
-    channels: Option<(Address, Channels)>,
+    /// The newest setpoint, sticks and channels.
+    newest: [Option<Order>; 3],
     shown: Shown,
     /// When a ground station's heartbeat came last, µs.
     station: Option<u64>,
@@ -164,9 +161,7 @@ impl Link {
                 streams: Streams::default(),
                 budget: Budget::new(config.bandwidth),
                 photos: Deque::new(),
-                setpoint: None,
-                sticks: None,
-                channels: None,
+                newest: [None; 3],
                 shown: Shown::default(),
                 station: None,
                 unknown: 0,
@@ -207,23 +202,9 @@ impl Link {
     /// What a ground station wants of the vehicle: commands in the order in which they came, then
     /// the newest setpoint and sticks.
     pub fn next_request(&mut self) -> Option<Order> {
-        let core = &mut self.core;
-        let plain = |from, request| Order {
-            request,
-            from,
-            id: None,
-        };
-        if let Some(order) = core.outbox.next_request() {
-            return Some(order);
-        }
-        if let Some((from, setpoint)) = core.setpoint.take() {
-            return Some(plain(from, Request::Offboard(setpoint)));
-        }
-        if let Some((from, sticks)) = core.sticks.take() {
-            return Some(plain(from, Request::Sticks(sticks)));
-        }
-        let (from, channels) = core.channels.take()?;
-        Some(plain(from, Request::Channels(channels)))
+        let Core { outbox, newest, .. } = &mut self.core;
+        let next = outbox.next_request();
+        next.or_else(|| newest.iter_mut().find_map(Option::take))
     }
 
     /// Answers a command. The first final answer counts; [`CommandResult::InProgress`] is not one.

@@ -84,14 +84,17 @@ impl Core {
     fn notice(&mut self, now: u64, context: &Context<'_>) {
         let mission = context.plans.committed(PlanKind::Mission).crc;
         let shown = Shown::of(context.telemetry, mission);
-        let changes = [
-            (shown.heartbeat != self.shown.heartbeat, streams::HEARTBEAT),
-            (shown.landed != self.shown.landed, streams::EXTENDED_SYS_STATE),
-            (shown.mission != self.shown.mission, streams::MISSION_CURRENT),
-            (shown.home != self.shown.home, streams::HOME_POSITION),
-        ];
-        for (_, message) in changes.into_iter().filter(|(changed, _)| *changed) {
-            self.streams.hasten(message, now);
+        if shown.heartbeat != self.shown.heartbeat {
+            self.streams.hasten(streams::HEARTBEAT, now);
+        }
+        if shown.landed != self.shown.landed {
+            self.streams.hasten(streams::EXTENDED_SYS_STATE, now);
+        }
+        if shown.mission != self.shown.mission {
+            self.streams.hasten(streams::MISSION_CURRENT, now);
+        }
+        if shown.home != self.shown.home {
+            self.streams.hasten(streams::HOME_POSITION, now);
         }
         self.shown = shown;
     }

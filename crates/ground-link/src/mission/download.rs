@@ -3,7 +3,7 @@
 //! Nothing has to be remembered to answer, but one thing: a plan that was exchanged since the
 //! count was told must not be mixed with the one before it.
 
-use heapless::Vec;
+use heapless::Deque;
 
 use super::{DOWNLOADS, MissionResult, MissionService, PlanKind, Surroundings};
 use crate::frame::Address;
@@ -52,10 +52,10 @@ impl MissionService {
         };
         let index = payload.word(0);
         let plan = around.plans.committed(kind);
-        let known = |download: &&Download| download.client == from && download.kind == kind;
+        let known = |download: &&Download| (download.client, download.kind) == (from, kind);
         let changed = |download: &Download| (download.crc, download.count) != (plan.crc, plan.count);
+        // Until it asks for the count again: this answer may get lost.
         if self.downloads.iter().find(known).is_some_and(changed) {
-            self.downloads.retain(|download| !known(&download));
             return around.ack(from, kind.code(), MissionResult::Cancelled);
         }
         if index >= plan.count {
@@ -70,10 +70,14 @@ impl MissionService {
 }
 
 /// Keeps a download; the oldest makes room.
-fn remember(downloads: &mut Vec<Download, DOWNLOADS>, download: Download) {
-    downloads.retain(|old| old.client != download.client || old.kind != download.kind);
-    if downloads.is_full() {
-        downloads.remove(0);
+fn remember(downloads: &mut Deque<Download, DOWNLOADS>, download: Download) {
+    let is_same = |old: &&mut Download| (old.client, old.kind) == (download.client, download.kind);
+    if let Some(old) = downloads.iter_mut().find(is_same) {
+        *old = download;
+        return;
     }
-    let _ = downloads.push(download);
+    if downloads.is_full() {
+        downloads.pop_front();
+    }
+    let _ = downloads.push_back(download);
 }

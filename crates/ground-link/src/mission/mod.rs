@@ -10,7 +10,7 @@ mod plan;
 mod refusal;
 mod upload;
 
-use heapless::Vec;
+use heapless::Deque;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA, MavMissionType,
@@ -78,7 +78,7 @@ impl Surroundings<'_> {
 pub(crate) struct MissionService {
     upload: Option<Upload>,
     finished: Option<Finished>,
-    downloads: Vec<Download, DOWNLOADS>,
+    downloads: Deque<Download, DOWNLOADS>,
 }
 
 impl MissionService {

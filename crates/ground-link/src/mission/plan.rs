@@ -101,16 +101,13 @@ results! {
     Cancelled: MAV_MISSION_OPERATION_CANCELLED;
 }
 
-/// The longest reason.
-const REASON: usize = 100;
-
 /// Why a plan, or an item of it, is not taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanRefusal {
     /// For the client.
     pub result: MissionResult,
     /// For a human: the item and what is wrong with it.
-    pub reason: Line<REASON>,
+    pub reason: Line,
 }
 
 impl PlanRefusal {

@@ -25,7 +25,7 @@ pub(crate) struct Source<'a> {
 impl Source<'_> {
     /// ms since start, which start anew after 49 days.
     fn boot_ms(&self) -> u32 {
-        (self.now / 1000) as u32
+        crate::scale::divided(self.now, 1000) as u32
     }
 }
 

@@ -47,7 +47,7 @@ pub(crate) const MISSION_CURRENT: u16 = 42;
 pub(crate) const STREAMS: usize = 14;
 
 /// All of them, the most important first.
-const TABLE: [Stream; STREAMS] = [
+static TABLE: [Stream; STREAMS] = [
     stream(HEARTBEAT, 1_000_000, 0),
     stream(EXTENDED_SYS_STATE, 500_000, 2),
     stream(1, 500_000, 2),   // SYS_STATUS
@@ -76,18 +76,15 @@ impl Rate {
     /// If it is due, moves on to the next time: how many were missed. The rhythm is kept unless it
     /// was lost.
     fn serve(&mut self, now: u64) -> Option<u32> {
-        let interval = u64::from(self.interval);
-        if interval == 0 || now < self.due {
+        if self.interval == 0 || now < self.due {
             return None;
         }
         let (first, late) = (self.due == 0, now - self.due);
-        self.due = if late < interval {
-            self.due + interval
-        } else {
-            now + interval
-        };
-        let missed = if first { 0 } else { late / interval };
-        Some(u32::try_from(missed).unwrap_or(u32::MAX))
+        let from = if late < u64::from(self.interval) { self.due } else { now };
+        self.due = from.saturating_add(u64::from(self.interval));
+        // More than an hour late is as bad as an hour: 32 bits are divided in hardware.
+        let late = u32::try_from(late).unwrap_or(u32::MAX);
+        Some(if first { 0 } else { late / self.interval })
     }
 }
 
@@ -101,8 +98,8 @@ pub(crate) struct Streams {
 impl Default for Streams {
     fn default() -> Self {
         Self {
-            rates: TABLE.map(|line| Rate {
-                interval: line.interval,
+            rates: core::array::from_fn(|number| Rate {
+                interval: TABLE.get(number).map_or(0, |line| line.interval),
                 due: 0,
             }),
             left_out: 0,
@@ -157,6 +154,7 @@ impl Streams {
     }
 
     /// Sends a message at the next occasion, whatever its rate.
+    #[inline(never)]
     pub fn hasten(&mut self, message: u16, now: u64) {
         for (rate, line) in self.rates.iter_mut().zip(&TABLE) {
             if line.message == message && rate.interval > 0 {

@@ -7,7 +7,7 @@ use windhover_math::{Quaternion, Vector3};
 
 use super::Source;
 use crate::Photo;
-use crate::scale::{centidegrees, scaled, short, word};
+use crate::scale::{centidegrees, divided, scaled, short, word};
 use crate::telemetry::{Fix, Gnss};
 use crate::wire::Message;
 
@@ -101,7 +101,7 @@ pub(crate) fn image_captured(photo: &Photo, source: &Source<'_>, m: &mut Message
     let utc = source.telemetry.utc.map(|utc| utc.saturating_sub(ago));
     m.start(CAMERA_IMAGE_CAPTURED_DATA::ID)
         .huge(utc.unwrap_or_default())
-        .long((photo.time / 1000) as u32)
+        .long(divided(photo.time, 1000) as u32)
         .place(photo.position)
         .integer(above_home(photo.position, source.telemetry.home))
         .rotation(photo.attitude)
