@@ -15,7 +15,7 @@ use crate::checksum::update;
 use crate::frame::{Address, put};
 use crate::outbox::{Order, Outbox, Reply};
 use crate::request::Request;
-use crate::text::{Decimal, Severity};
+use crate::text::{Decimal, Plain, Severity};
 use crate::wire::{Message, Payload};
 
 pub use constants::{Appended, QGROUNDCONTROL};
@@ -130,12 +130,12 @@ impl ParameterService {
         let Some((index, declaration)) =
             found.and_then(|index| Some((index, around.table.declaration(index)?)))
         else {
-            let text = format_args!("{name}: there is no such parameter");
+            let text = format_args!("{}: there is no such parameter", Plain(name));
             return around.outbox.say(Severity::Warning, text);
         };
         if value.is_subnormal() {
             around.outbox.reply(Reply::Parameter(index));
-            let text = format_args!("{name}: to be sent as REAL32");
+            let text = format_args!("{}: to be sent as REAL32", Plain(name));
             return around.outbox.say(Severity::Warning, text);
         }
         if let Err(refusal) = declaration.check(value) {
@@ -225,6 +225,7 @@ fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
         .table
         .declaration(index)
         .map_or("", |declaration| declaration.name);
+    let name = Plain(name);
     match refusal {
         Refusal::OutOfRange { min, max } => {
             let (min, max) = (Decimal(min), Decimal(max));

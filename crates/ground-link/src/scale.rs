@@ -56,26 +56,24 @@ pub(crate) fn set(value: f32) -> Option<f32> {
     value.is_finite().then(|| value.clamp(-LARGEST, LARGEST))
 }
 
-/// The nearest integer to a value times `scale`, within the type's range; `unset` when it is no
-/// number.
-pub(crate) fn scaled<T: TryFrom<i32>>(value: f32, scale: u32, unset: T, range: (i32, i32)) -> T {
-    if !value.is_finite() {
-        return unset;
+/// The nearest integer to a value times `scale`, within a range; `unset` when it is no number.
+#[inline(never)]
+pub(crate) fn scaled(value: f32, scale: u32, unset: i32, (low, high): (i32, i32)) -> i32 {
+    match value.is_finite() {
+        true => integer(value, scale).clamp(low, high),
+        false => unset,
     }
-    let (low, high) = range;
-    let scaled = integer(value, scale).clamp(low, high);
-    T::try_from(scaled).unwrap_or(unset)
 }
 
 /// The same for `u16`, whose largest value says "unknown".
 pub(crate) fn word(value: Option<f32>, scale: u32) -> u16 {
     let value = value.unwrap_or(f32::NAN);
-    scaled(value, scale, u16::MAX, (0, 0xfffe))
+    scaled(value, scale, 0xffff, (0, 0xfffe)) as u16
 }
 
 /// The same for `i16`; 0 when it is no number.
 pub(crate) fn short(value: f32, scale: u32) -> i16 {
-    scaled(value, scale, 0, (-0x7fff, 0x7fff))
+    scaled(value, scale, 0, (-0x7fff, 0x7fff)) as i16
 }
 
 /// A heading or course in rad as hundredths of a degree, 0 to 35999; `u16::MAX` when unknown.
@@ -89,7 +87,7 @@ pub(crate) fn centidegrees(angle: Option<f32>) -> u16 {
     } else {
         wrapped
     };
-    scaled(positive / DEGREE, 100, 0u16, (0, 36_000)) % 36_000
+    (scaled(positive / DEGREE, 100, 0, (0, 36_000)) % 36_000) as u16
 }
 
 #[cfg(test)]

@@ -172,7 +172,8 @@ fn admit(streams: &mut Vec<Stream, STREAMS>, sender: Address, link: u8, time: u6
 
 impl Key {
     fn at(&self, now: u64) -> u64 {
-        self.time.saturating_add(divided(now.saturating_sub(self.since), 10))
+        self.time
+            .saturating_add(divided(now.saturating_sub(self.since), 10))
     }
 
     /// Others may know the time better: ours is never behind one that was accepted.

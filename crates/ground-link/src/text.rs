@@ -61,7 +61,41 @@ impl Write for Line {
         let fits = text.floor_char_boundary(LINE - self.0.len());
         let (fitting, rest) = text.split_at_checked(fits).unwrap_or_default();
         let taken = self.0.push_str(fitting);
-        if rest.is_empty() { taken.map_err(|_| fmt::Error) } else { Err(fmt::Error) }
+        if rest.is_empty() {
+            taken.map_err(|_| fmt::Error)
+        } else {
+            Err(fmt::Error)
+        }
+    }
+}
+
+/// A text inside another one, as it is: the standard way pads it, and takes more flash.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain<'a>(pub &'a str);
+
+impl fmt::Display for Plain<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+/// A whole number as text, for the same reason.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole(pub u32);
+
+impl fmt::Display for Whole {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mut digits, mut rest, mut start) = ([0; 10], self.0, 10);
+        for place in digits.iter_mut().rev() {
+            *place = b'0' + (rest % 10) as u8;
+            rest /= 10;
+            start -= 1;
+            if rest == 0 {
+                break;
+            }
+        }
+        let digits = digits.get(start..).unwrap_or_default();
+        f.write_str(core::str::from_utf8(digits).unwrap_or_default())
     }
 }
 
@@ -85,14 +119,14 @@ impl fmt::Display for Decimal {
         if self.0 < 0.0 && (whole, rest) != (0, 0) {
             f.write_str("-")?;
         }
-        write!(f, "{whole}")?;
+        Whole(whole).fmt(f)?;
         if rest == 0 {
             return Ok(());
         }
         f.write_str(".")?;
         let mut place = 1_000;
         while rest != 0 && place != 0 {
-            write!(f, "{}", rest / place)?;
+            Whole(rest / place).fmt(f)?;
             rest %= place;
             place /= 10;
         }
@@ -211,6 +245,13 @@ mod tests {
         }
         assert_eq!(texts.dropped(), 3);
         assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+    }
+
+    #[test]
+    fn whole_numbers_have_all_their_digits() {
+        for number in [0, 7, 10, 99, 100, 4_294_967_295] {
+            assert_eq!(format!("{}", Whole(number)), format!("{number}"));
+        }
     }
 
     #[test]

@@ -238,19 +238,27 @@ fn home(p: &Parameters) -> Translated {
         .ok_or(CommandResult::Denied)
 }
 
-/// One calibration at a time; none at all ends the one that is under way.
+/// One calibration at a time, by the number of its parameter and what that says; none at all ends
+/// the one that is under way.
 fn calibration(p: &Parameters) -> Translated {
-    let wanted = [1, 2, 3, 4, 5].map(|number| p.number(number));
+    let mut wanted = None;
+    for number in 1..=7 {
+        let value = p.number(number);
+        if value != 0.0 && wanted.replace((number, value as u8)).is_some() {
+            return Err(CommandResult::Denied);
+        }
+    }
     Ok(Request::Calibrate(match wanted {
-        [0.0, 0.0, 0.0, 0.0, 0.0] => Calibration::Cancel,
-        [1.0, 0.0, 0.0, 0.0, 0.0] => Calibration::Gyro,
-        [0.0, 1.0, 0.0, 0.0, 0.0] => Calibration::Compass,
-        [0.0, 0.0, 1.0, 0.0, 0.0] => Calibration::Pressure,
-        [0.0, 0.0, 0.0, 1.0, 0.0] => Calibration::Radio,
-        [0.0, 0.0, 0.0, 0.0, 1.0] => Calibration::Accelerometer,
-        [0.0, 0.0, 0.0, 0.0, 2.0] => Calibration::Level,
-        [0.0, 0.0, 0.0, 0.0, 4.0] => Calibration::AccelerometerOffset,
-        _ => return Err(CommandResult::Denied),
+        None => Calibration::Cancel,
+        Some((1, 1)) => Calibration::Gyro,
+        Some((2, 1)) => Calibration::Compass,
+        Some((3, 1)) => Calibration::Pressure,
+        Some((4, 1)) => Calibration::Radio,
+        Some((5, 1)) => Calibration::Accelerometer,
+        Some((5, 2)) => Calibration::Level,
+        Some((5, 4)) => Calibration::AccelerometerOffset,
+        // Air speed, motors, temperatures and the like.
+        Some(_) => return Err(CommandResult::Unsupported),
     }))
 }
 

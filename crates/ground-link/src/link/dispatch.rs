@@ -13,7 +13,7 @@ use crate::parameters;
 use crate::request::Request;
 use crate::setpoints;
 use crate::streams::{self, encode};
-use crate::text::Severity;
+use crate::text::{Severity, Whole};
 use crate::wire::{Message, Payload};
 
 /// `MAV_TYPE_GCS`.
@@ -99,7 +99,7 @@ impl Core {
                 id: None,
             });
         } else {
-            let text = format_args!("mission has no item {index}");
+            let text = format_args!("mission has no item {}", Whole(index.into()));
             self.outbox.say(Severity::Warning, text);
         }
         self.streams.hasten(streams::MISSION_CURRENT, now);

@@ -18,7 +18,7 @@ use mavlink::dialects::common::{
 
 use crate::frame::Address;
 use crate::outbox::{Outbox, Reply};
-use crate::text::Severity;
+use crate::text::{Plain, Severity};
 use crate::wire::{Message, Payload};
 
 use download::Download;
@@ -67,9 +67,9 @@ impl Surroundings<'_> {
     #[inline(never)]
     fn refuse(&mut self, to: Address, kind: PlanKind, refusal: &PlanRefusal) {
         self.ack(to, kind.code(), refusal.result);
-        let reason = refusal.reason.as_str();
-        self.outbox
-            .say(Severity::Error, format_args!("{} refused: {reason}", kind.name()));
+        let (kind, reason) = (Plain(kind.name()), Plain(refusal.reason.as_str()));
+        let text = format_args!("{kind} refused: {reason}");
+        self.outbox.say(Severity::Error, text);
     }
 }
 
@@ -102,8 +102,8 @@ impl MissionService {
         for kind in kinds {
             if let Err(refusal) = commit_empty(*kind, around.plans) {
                 around.ack(from, code, refusal.result);
-                let reason = refusal.reason.as_str();
-                let text = format_args!("{} not cleared: {reason}", kind.name());
+                let (kind, reason) = (Plain(kind.name()), Plain(refusal.reason.as_str()));
+                let text = format_args!("{kind} not cleared: {reason}");
                 return around.outbox.say(Severity::Error, text);
             }
         }

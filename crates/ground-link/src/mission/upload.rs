@@ -12,6 +12,7 @@ use super::{MissionResult, MissionService, PlanKind, PlanRefusal, Surroundings};
 use crate::checksum::plan_crc;
 use crate::frame::Address;
 use crate::outbox::Reply;
+use crate::text::Whole;
 use crate::wire::Payload;
 
 /// An item that has not come after this time is asked for again, µs.
@@ -81,6 +82,7 @@ impl MissionService {
     ) -> Result<(), PlanRefusal> {
         let (now, capacity) = (around.now, around.plans.capacity(kind));
         if count > capacity {
+            let [count, capacity] = [count, capacity].map(|number| Whole(number.into()));
             let reason = format_args!("{count} items, there is room for {capacity}");
             return Err(PlanRefusal::new(MissionResult::NoSpace, reason));
         }

@@ -80,7 +80,11 @@ impl Rate {
             return None;
         }
         let (first, late) = (self.due == 0, now - self.due);
-        let from = if late < u64::from(self.interval) { self.due } else { now };
+        let from = if late < u64::from(self.interval) {
+            self.due
+        } else {
+            now
+        };
         self.due = from.saturating_add(u64::from(self.interval));
         // More than an hour late is as bad as an hour: 32 bits are divided in hardware.
         let late = u32::try_from(late).unwrap_or(u32::MAX);

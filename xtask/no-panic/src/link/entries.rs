@@ -44,7 +44,7 @@ pub fn link_requests(link: &mut Link, now: u64, context: &Context<'_>) {
 #[inline(never)]
 #[unsafe(no_mangle)]
 pub fn link_tell(link: &mut Link, photo: Photo, now: u64) -> Counters {
-    link.say(black_box(Severity::Info), format_args!("{}", black_box(7_u32)));
+    link.say(black_box(Severity::Info), format_args!("ready"));
     link.item_reached(black_box(1));
     link.parameter_changed(black_box(1));
     link.photo_taken(photo);

@@ -119,7 +119,7 @@ pub(super) fn vfr_hud(source: &Source<'_>, m: &mut Message) {
     // To a multicopter air speed is the same as ground speed.
     m.floats(&[speed, speed, altitude, -velocity.z])
         .word(heading)
-        .word(scaled(t.throttle, 100, 0, (0, 100)));
+        .word(scaled(t.throttle, 100, 0, (0, 100)) as u16);
 }
 
 pub(super) fn extended_sys_state(source: &Source<'_>, m: &mut Message) {

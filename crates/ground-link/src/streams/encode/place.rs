@@ -82,7 +82,7 @@ pub(super) fn gps_raw_int(source: &Source<'_>, m: &mut Message) {
         .byte(satellites.unwrap_or(UNKNOWN))
         .zeros(4); // altitude above the ellipsoid
     for metres in [across, up, speed_accuracy] {
-        m.long(scaled(metres, 1000, 0, (0, i32::MAX)));
+        m.integer(scaled(metres, 1000, 0, (0, i32::MAX)));
     }
 }
 

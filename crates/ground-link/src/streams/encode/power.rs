@@ -37,10 +37,10 @@ pub(super) fn sys_status(source: &Source<'_>, m: &mut Message) {
     m.long(present.bits())
         .long(present.bits())
         .long(good.bits())
-        .word(scaled(t.load, 1000, 0, (0, 1000)))
+        .word(scaled(t.load, 1000, 0, (0, 1000)) as u16)
         .word(word(t.battery.voltage, 1000))
         .short(amperes(t.battery.current))
-        .word(scaled(source.loss, 10_000, 0, (0, 10_000)))
+        .word(scaled(source.loss, 10_000, 0, (0, 10_000)) as u16)
         .zeros(5 * 2) // errors
         .byte(percent(t.battery.remaining));
 }
@@ -77,10 +77,10 @@ pub(super) fn battery_status(source: &Source<'_>, m: &mut Message) {
 
 /// In 10 mA; -1 when unknown.
 fn amperes(current: Option<f32>) -> i16 {
-    scaled(current.unwrap_or(f32::NAN), 100, -1, (0, 0x7fff))
+    scaled(current.unwrap_or(f32::NAN), 100, -1, (0, 0x7fff)) as i16
 }
 
 /// In percent; -1 when unknown.
 fn percent(share: Option<f32>) -> u8 {
-    scaled::<i8>(share.unwrap_or(f32::NAN), 100, -1, (0, 100)).cast_unsigned()
+    scaled(share.unwrap_or(f32::NAN), 100, -1, (0, 100)) as u8
 }
