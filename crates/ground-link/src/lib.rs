@@ -44,5 +44,6 @@ pub use mode::Mode;
 pub use outbox::Order;
 pub use parameters::ParameterTable;
 pub use request::{Calibration, Ground, Request, SpeedKind};
+pub use signing::Signing;
 pub use telemetry::Telemetry;
 pub use text::Severity;

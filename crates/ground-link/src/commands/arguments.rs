@@ -32,6 +32,8 @@ pub(crate) struct Parameters {
     /// Parameters 5 and 6 as numbers.
     five_six: [Option<f32>; 2],
     pub(super) ground: Option<Ground>,
+    /// Whether parameters 5 and 6 as a place are none on Earth.
+    pub(super) is_off_earth: bool,
     seven: Option<f32>,
     pub(super) datum: Datum,
 }
@@ -40,14 +42,15 @@ impl Parameters {
     /// Those of a `COMMAND_LONG`; places are in degrees.
     pub fn long(payload: Payload<'_>) -> Self {
         let [one, two, three, four, five, six, seven] = payload.floats(0).map(set);
-        let ground = match (five, six) {
-            (Some(latitude), Some(longitude)) => ground(integer(latitude, E7), integer(longitude, E7)),
-            _ => None,
-        };
+        let place = five.zip(six).map(|(latitude, longitude)| Ground {
+            latitude: integer(latitude, E7),
+            longitude: integer(longitude, E7),
+        });
         Self {
             plain: [one, two, three, four],
             five_six: [five, six],
-            ground,
+            ground: place.and_then(given),
+            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
             seven,
             datum: Datum::Implied,
         }
@@ -56,12 +59,14 @@ impl Parameters {
     /// Those of a `COMMAND_INT`; places are in 1e-7 degrees.
     pub fn int(payload: Payload<'_>) -> Self {
         let places = [16, 20].map(|at| payload.integer(at));
-        let [x, y] = places;
+        let [latitude, longitude] = places;
         let is_set = !places.contains(&i32::MAX);
+        let place = is_set.then_some(Ground { latitude, longitude });
         Self {
             plain: payload.floats(0).map(set),
             five_six: places.map(|value| (value != i32::MAX).then_some(value as f32)),
-            ground: ground(x, y).filter(|_| is_set),
+            ground: place.and_then(given),
+            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
             seven: set(payload.float(24)),
             datum: datum(payload.byte(FRAME)),
         }
@@ -111,10 +116,10 @@ impl Parameters {
     }
 }
 
-/// A point on the map; (0, 0) is what clients send that have none.
-fn ground(latitude: i32, longitude: i32) -> Option<Ground> {
-    let ground = Ground { latitude, longitude };
-    (ground.is_on_earth() && (latitude, longitude) != (0, 0)).then_some(ground)
+/// (0, 0) is what clients send that have no place.
+fn given(place: Ground) -> Option<Ground> {
+    let is_nowhere = (place.latitude, place.longitude) == (0, 0);
+    (!is_nowhere).then_some(place)
 }
 
 pub(super) fn datum(frame: u8) -> Datum {

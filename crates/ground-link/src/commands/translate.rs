@@ -4,6 +4,7 @@
 //! parameters are MAVLink's (`common.xml`).
 
 use windhover_autopilot::mission::action::Altitude;
+use windhover_math::wrap_pi;
 
 use super::CommandResult;
 use super::arguments::{Datum, Parameters, datum};
@@ -101,20 +102,29 @@ impl Ours {
 /// What a command means with these parameters.
 #[inline(never)]
 pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meaning {
-    let request = match command {
-        number::NAV_TAKEOFF | number::DO_REPOSITION | number::DO_CHANGE_ALTITUDE | number::DO_SET_HOME
-            if p.datum == Datum::Unsupported =>
-        {
-            Err(CommandResult::UnsupportedFrame)
+    if PLACED.contains(&command) {
+        let is_placed = p.ground.is_some() || p.number(7) != 0.0;
+        if p.datum == Datum::Unsupported && is_placed {
+            return Meaning::Answer(CommandResult::UnsupportedFrame);
         }
+        if p.is_off_earth {
+            return Meaning::Answer(CommandResult::Denied);
+        }
+    }
+    if command == number::DO_CHANGE_SPEED && !p.get(2).is_some_and(|speed| speed != -1.0) {
+        return Meaning::Answer(CommandResult::Accepted); // "no change"
+    }
+    let request = match command {
         number::COMPONENT_ARM_DISARM => arm(p),
         number::DO_FLIGHTTERMINATION if p.number(1) > 0.5 => Ok(Request::Kill),
+        number::DO_FLIGHTTERMINATION => Err(CommandResult::Denied),
         number::NAV_TAKEOFF => Ok(takeoff(p, identity)),
         number::NAV_LAND => Ok(Request::Land { place: p.ground }),
         number::NAV_RETURN_TO_LAUNCH => Ok(Request::Return),
-        number::NAV_LOITER_UNLIM => Ok(Request::Hold),
+        number::NAV_LOITER_UNLIM => Ok(loiter(p)),
         number::DO_PAUSE_CONTINUE if p.is(1, 0.0) => Ok(Request::Hold),
         number::DO_PAUSE_CONTINUE if p.is(1, 1.0) => Ok(Request::Continue),
+        number::DO_PAUSE_CONTINUE => Err(CommandResult::Denied),
         number::DO_REPOSITION => Ok(reposition(p)),
         number::DO_CHANGE_SPEED => speed(p),
         number::DO_CHANGE_ALTITUDE => altitude(p),
@@ -142,6 +152,17 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
     request.map_or_else(Meaning::Answer, Meaning::Request)
 }
 
+/// Commands whose parameters 5 to 7 are a place, or nothing.
+const PLACED: [u16; 7] = [
+    number::NAV_TAKEOFF,
+    number::NAV_LAND,
+    number::NAV_LOITER_UNLIM,
+    number::DO_REPOSITION,
+    number::DO_SET_HOME,
+    number::DO_SET_ROI_LOCATION,
+    number::DO_SET_ROI,
+];
+
 const UNSUPPORTED: Meaning = Meaning::Answer(CommandResult::Unsupported);
 
 type Translated = Result<Request, CommandResult>;
@@ -163,12 +184,25 @@ fn takeoff(p: &Parameters, identity: Identity) -> Request {
     };
     Request::Takeoff {
         altitude: p.altitude(implied),
-        heading: p.get(4).map(|degrees| degrees * DEGREE),
+        heading: p.get(4).map(|degrees| wrap_pi(degrees * DEGREE)),
     }
 }
 
 /// With neither place nor altitude it is QGroundControl's pause. The heading is in rad already.
 fn reposition(p: &Parameters) -> Request {
+    let speed = p.get(1).filter(|speed| *speed > 0.0);
+    go(p, p.get(4), speed)
+}
+
+/// The heading is in degrees; without a place it is a pause.
+fn loiter(p: &Parameters) -> Request {
+    match p.ground {
+        Some(_) => go(p, p.get(4).map(|degrees| degrees * DEGREE), None),
+        None => Request::Hold,
+    }
+}
+
+fn go(p: &Parameters, heading: Option<f32>, speed: Option<f32>) -> Request {
     let altitude = p.altitude(Altitude::SeaLevel);
     if p.ground.is_none() && altitude.is_none() {
         return Request::Hold;
@@ -176,8 +210,8 @@ fn reposition(p: &Parameters) -> Request {
     Request::Reposition {
         place: p.ground,
         altitude,
-        heading: p.get(4),
-        speed: p.get(1).filter(|speed| *speed > 0.0),
+        heading: heading.map(wrap_pi),
+        speed,
     }
 }
 
@@ -189,7 +223,7 @@ fn speed(p: &Parameters) -> Translated {
         3.0 => SpeedKind::Descent,
         _ => return Err(CommandResult::Denied),
     };
-    let speed = p.get(2).filter(|speed| *speed != -1.0 && *speed != -2.0);
+    let speed = p.get(2).filter(|speed| *speed != -2.0);
     match speed {
         Some(speed) if speed <= 0.0 => Err(CommandResult::Denied),
         speed => Ok(Request::ChangeSpeed { kind, speed }),
@@ -316,14 +350,15 @@ fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
     let request = match command {
         number::IMAGE_START_CAPTURE => Request::TakePhotos {
             interval: p.number(2),
-            count: p.number(3) as u32,
+            count: p.get(3).unwrap_or(1.0) as u32,
         },
         number::IMAGE_STOP_CAPTURE => Request::StopPhotos,
         number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Request::TakePhotos {
             interval: 0.0,
             count: 1,
         },
-        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) => Request::TakePhotos {
+        // Without a distance it is one photo, now.
+        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) && p.number(1) <= 0.0 => Request::TakePhotos {
             interval: 0.0,
             count: 1,
         },
@@ -333,7 +368,10 @@ fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
         _ => return None,
     };
     Some(match request {
-        Request::TakePhotos { interval, .. } if interval < 0.0 => Meaning::Answer(CommandResult::Denied),
+        // Several, or without end, need time between two.
+        Request::TakePhotos { interval, count } if interval < 0.0 || count != 1 && interval == 0.0 => {
+            Meaning::Answer(CommandResult::Denied)
+        }
         Request::PhotosByDistance { distance } if distance < 0.0 => Meaning::Answer(CommandResult::Denied),
         request => Meaning::Request(request),
     })

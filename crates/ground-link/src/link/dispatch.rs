@@ -13,7 +13,7 @@ use crate::parameters;
 use crate::request::Request;
 use crate::setpoints;
 use crate::streams::{self, encode};
-use crate::text::{Severity, Whole};
+use crate::text::{Plain, Severity, Whole};
 use crate::wire::{Message, Payload};
 
 /// `MAV_TYPE_GCS`.
@@ -39,7 +39,7 @@ impl Core {
             return;
         }
         self.losses.note(frame.source, frame.sequence);
-        if !self.signing.accepts(frame, now) {
+        if !context.signing.accepts(frame, now) {
             return;
         }
         if ONCE.contains(&frame.id) && self.recent.has(frame, now) {
@@ -50,7 +50,7 @@ impl Core {
             || self.take_parameter(frame, now, context)
             || self.take_command(frame, now, context)
             || self.take_setpoint(frame)
-            || self.take_other(frame, now);
+            || self.take_other(frame, now, context);
         if !understood {
             self.unknown = self.unknown.saturating_add(1);
         }
@@ -155,7 +155,10 @@ impl Core {
     fn do_ours(&mut self, ours: Ours, now: u64, context: &Context<'_>) -> (CommandResult, Option<Reply>) {
         let number = |message: u32| u16::try_from(message).unwrap_or(u16::MAX);
         match ours {
-            Ours::Once { message: 148, .. } => (CommandResult::Accepted, Some(Reply::Version)),
+            Ours::Once { message: 148, .. } => {
+                self.say_version();
+                (CommandResult::Accepted, Some(Reply::Version))
+            }
             Ours::Once { message: 300, .. } => (CommandResult::Accepted, Some(Reply::Protocol)),
             Ours::Once { message, .. } if !streams::exists(message) => (CommandResult::Unsupported, None),
             Ours::Once { message, .. } => {
@@ -166,12 +169,23 @@ impl Core {
                     false => (CommandResult::TemporarilyRejected, None),
                 }
             }
+            // Whoever hears none believes the vehicle lost.
+            Ours::Every { message: 0, interval } if !matches!(interval, Some(0..=1_000_000)) => {
+                (CommandResult::Denied, None)
+            }
             Ours::Every { message, interval } => match self.streams.set(message, interval, now) {
                 true => (CommandResult::Accepted, None),
                 false => (CommandResult::Unsupported, None),
             },
             Ours::Interval { message } => (CommandResult::Accepted, Some(Reply::Interval(number(message)))),
         }
+    }
+
+    /// Our own version as a line of text: the one that clients are shown is not ours.
+    fn say_version(&mut self) {
+        let version = crate::wire::text(&self.config.version);
+        let text = format_args!("Windhover {}", Plain(version));
+        self.outbox.texts.say(Severity::Info, text);
     }
 
     /// `SET_MODE`, of clients that know no commands.
@@ -214,12 +228,12 @@ impl Core {
     }
 
     #[inline(never)]
-    fn take_other(&mut self, frame: &Frame<'_>, now: u64) -> bool {
+    fn take_other(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         match frame.id {
             wire::HEARTBEAT_DATA::ID => {
                 // An unsigned one may be anybody's.
-                let trusted = frame.signature.is_some() || !self.signing.is_on();
+                let trusted = frame.signature.is_some() || !context.signing.is_on();
                 if payload.byte(4) == GROUND_STATION && trusted {
                     self.station = Some(now);
                 }

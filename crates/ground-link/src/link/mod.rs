@@ -16,7 +16,7 @@ use crate::frame::{Address, Counts, Losses, Parser, Writer};
 use crate::mission::{MissionService, PlanStore};
 use crate::outbox::{Dropped, Order, Outbox, Reply};
 use crate::parameters::{self, ParameterService, ParameterTable};
-use crate::signing::{Refusals, Signing};
+use crate::signing::Signing;
 use crate::streams::Streams;
 use crate::streams::budget::Budget;
 use crate::telemetry::Telemetry;
@@ -25,11 +25,12 @@ use crate::text::Severity;
 use recent::Recent;
 use send::Shown;
 
-/// The start of a frame that waits for its end for so long is given up, µs.
-const STALE: u64 = 250_000;
+/// The start of a frame that waits for its end for so long is given up, µs: noise that looks like
+/// one must not hold up the command behind it for longer than a command may wait.
+const STALE: u64 = 80_000;
 
 /// Photos that wait to be told.
-const PHOTOS: usize = 4;
+const PHOTOS: usize = 8;
 
 /// What is settled when a link begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub struct Config {
     pub channel: u8,
     /// Unique number of the board.
     pub uid: u64,
-    /// Our own version, as eight bytes of text or of a hash.
+    /// Our own version: up to eight bytes of text.
     pub version: [u8; 8],
 }
 
@@ -73,6 +74,8 @@ pub struct Context<'a> {
     pub parameters: &'a dyn ParameterTable,
     /// Mission, fence and rally points.
     pub plans: &'a mut dyn PlanStore,
+    /// Who may speak: one for all channels.
+    pub signing: &'a mut Signing,
 }
 
 /// A photo that was taken.
@@ -99,8 +102,6 @@ pub struct Counters {
     pub unknown: u32,
     /// Frames that the network repeated.
     pub repeated: u32,
-    /// Frames refused for their signature.
-    pub signing: Refusals,
     /// What found no room.
     pub dropped: Dropped,
     /// Lines of text that found no room.
@@ -123,7 +124,6 @@ pub struct Link {
 struct Core {
     config: Config,
     writer: Writer,
-    signing: Signing,
     losses: Losses,
     recent: Recent,
     outbox: Outbox,
@@ -151,7 +151,6 @@ impl Link {
             core: Core {
                 config,
                 writer: Writer::new(config.address),
-                signing: Signing::new(config.channel),
                 losses: Losses::default(),
                 recent: Recent::default(),
                 outbox: Outbox::default(),
@@ -246,29 +245,14 @@ impl Link {
         self.core.outbox.reply(Reply::Reached(index));
     }
 
-    /// Tells that a photo was taken. The oldest one that was not told yet makes room.
+    /// Tells that a photo was taken. The oldest one that was not told yet makes room, and counts.
     pub fn photo_taken(&mut self, photo: Photo) {
-        let photos = &mut self.core.photos;
+        let Core { photos, outbox, .. } = &mut self.core;
         if photos.is_full() {
             photos.pop_front();
+            outbox.dropped.photos = outbox.dropped.photos.saturating_add(1);
         }
         let _ = photos.push_back(photo);
-    }
-
-    /// From now on only frames signed with this key are acted on. `time` is in 10 µs since
-    /// 2015-01-01, later than all that was ever signed with it.
-    pub fn set_signing_key(&mut self, secret: [u8; 32], time: u64, now: u64) {
-        self.core.signing.set_key(secret, time, now);
-    }
-
-    /// Acts on unsigned frames again.
-    pub fn clear_signing_key(&mut self) {
-        self.core.signing.clear_key();
-    }
-
-    /// The time of signing to be stored for the next start; `None` without a key.
-    pub fn signing_time(&self, now: u64) -> Option<u64> {
-        self.core.signing.time(now)
     }
 
     /// Introduces the vehicle as another autopilot from now on.
@@ -289,7 +273,6 @@ impl Link {
             lost: core.losses.lost(),
             unknown: core.unknown,
             repeated: core.repeated,
-            signing: core.signing.refusals(),
             dropped: core.outbox.dropped,
             texts: core.outbox.texts.dropped(),
             left_out: core.streams.left_out(),

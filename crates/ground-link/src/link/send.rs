@@ -12,6 +12,7 @@ use crate::frame::{Address, MAX_FRAME, Sign};
 use crate::mission::{self, PlanKind};
 use crate::outbox::Reply;
 use crate::parameters;
+use crate::signing::Signing;
 use crate::streams::{self, encode, version};
 use crate::telemetry::{Landed, Telemetry};
 use crate::wire::Message;
@@ -53,11 +54,17 @@ impl Core {
         if self.streams.heartbeat(now) {
             self.send_telemetry(streams::HEARTBEAT, now, context, m, out);
         }
+        // Whatever else waits: they are shorter than what they answer.
+        while let Some(reply) = self.outbox.next_acknowledgement() {
+            if self.answer(&reply, now, context, m).is_some() {
+                self.send(m, now, context.signing, out);
+            }
+        }
         while self.budget.allows_answer()
             && let Some(reply) = self.outbox.next_reply()
         {
             if self.answer(&reply, now, context, m).is_some() {
-                self.send(m, now, out);
+                self.send(m, now, context.signing, out);
             }
         }
         self.send_rest(now, context, m, out);
@@ -101,18 +108,18 @@ impl Core {
 
     /// What has to wait for the budget.
     #[inline(never)]
-    fn send_rest(&mut self, now: u64, context: &Context<'_>, m: &mut Message, out: Out<'_>) {
+    fn send_rest(&mut self, now: u64, context: &mut Context<'_>, m: &mut Message, out: Out<'_>) {
         if self.outbox.has_replies() {
             return;
         }
         while self.budget.allows() && self.outbox.texts.next(m).is_some() {
-            self.send(m, now, out);
+            self.send(m, now, context.signing, out);
         }
         while self.budget.allows()
             && let Some(photo) = self.photos.pop_front()
         {
             encode::image_captured(&photo, &self.source(now, context), m);
-            self.send(m, now, out);
+            self.send(m, now, context.signing, out);
         }
         while self.budget.allows() {
             let stream = self.streams.next(now);
@@ -123,7 +130,7 @@ impl Core {
             if let Some(index) = listed
                 && parameters::value_message(context.parameters, index, m).is_some()
             {
-                self.send(m, now, out);
+                self.send(m, now, context.signing, out);
             }
             if stream.is_none() && listed.is_none() {
                 break;
@@ -136,22 +143,21 @@ impl Core {
         &mut self,
         number: u16,
         now: u64,
-        context: &Context<'_>,
+        context: &mut Context<'_>,
         m: &mut Message,
         out: Out<'_>,
     ) {
         if encode::message(number, &self.source(now, context), m) {
-            self.send(m, now, out);
+            self.send(m, now, context.signing, out);
         }
     }
 
     /// Makes a frame around a message, signed if there is a key.
     #[inline(never)]
-    fn send(&mut self, message: &Message, now: u64, out: Out<'_>) {
+    fn send(&mut self, message: &Message, now: u64, signing: &mut Signing, out: Out<'_>) {
         let mut buffer = [0; MAX_FRAME];
-        let signing = &mut self.signing;
-        let is_signed = signing.is_on();
-        let mut sign = |covered: &[u8]| signing.sign(covered, now);
+        let (is_signed, channel) = (signing.is_on(), self.config.channel);
+        let mut sign = |covered: &[u8]| signing.sign(covered, channel, now);
         let sign: Option<Sign<'_>> = if is_signed { Some(&mut sign) } else { None };
         let length = self
             .writer

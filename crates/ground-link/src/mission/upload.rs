@@ -19,7 +19,7 @@ use crate::wire::Payload;
 const RETRY: u64 = 200_000;
 
 /// Without an item for so long the upload is given up, µs.
-const GIVE_UP: u64 = 10_000_000;
+const GIVE_UP: u64 = 5_000_000;
 
 /// For so long after a transfer something of it may still come, µs.
 const LEFT_OVER: u64 = 1_000_000;

@@ -5,7 +5,7 @@
 
 use core::hint::black_box;
 
-use windhover_ground_link::{CommandResult, Context, Counters, Link, Photo, Severity};
+use windhover_ground_link::{CommandResult, Context, Counters, Link, Photo, Severity, Signing};
 
 /// Bytes that have come.
 #[inline(never)]
@@ -40,18 +40,24 @@ pub fn link_requests(link: &mut Link, now: u64, context: &Context<'_>) {
     }
 }
 
+/// The key of signatures.
+#[inline(never)]
+#[unsafe(no_mangle)]
+pub fn link_key(signing: &mut Signing, now: u64) -> Option<u64> {
+    signing.set_key(black_box([1; 32]), black_box(1), now);
+    black_box(signing.refusals());
+    signing.time(now)
+}
+
 /// Everything that is told on occasion.
 #[inline(never)]
 #[unsafe(no_mangle)]
-pub fn link_tell(link: &mut Link, photo: Photo, now: u64) -> Counters {
+pub fn link_tell(link: &mut Link, photo: Photo) -> Counters {
     link.say(black_box(Severity::Info), format_args!("ready"));
     link.item_reached(black_box(1));
     link.parameter_changed(black_box(1));
     link.photo_taken(photo);
     link.set_identity(black_box(windhover_ground_link::Identity::Generic));
-    link.set_signing_key(black_box([1; 32]), black_box(1), now);
-    black_box(link.signing_time(now));
-    link.clear_signing_key();
     black_box(link.station_heard());
     link.counters()
 }

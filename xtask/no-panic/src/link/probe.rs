@@ -9,20 +9,25 @@ use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use windhover_ground_link::parameters::{Appended, QGROUNDCONTROL};
-use windhover_ground_link::{Config, Context, Link, Photo, Telemetry};
+use windhover_ground_link::{Config, Context, Link, Photo, Signing, Telemetry};
 use windhover_math::Quaternion;
 use windhover_math::geodesy::GlobalPosition;
 
-use crate::entries::{link_poll, link_receive, link_requests, link_tell};
+use crate::entries::{link_key, link_poll, link_receive, link_requests, link_tell};
 use crate::vehicle::{Plans, Table};
 
 /// Where the firmware keeps a link: the RAM that counts.
 static mut LINK: MaybeUninit<Link> = MaybeUninit::uninit();
 
+/// One for all links.
+static mut SIGNING: MaybeUninit<Signing> = MaybeUninit::uninit();
+
 /// The entry: the link for ever, on inputs that the optimiser knows nothing about.
 #[unsafe(no_mangle)]
 extern "C" fn reset() -> ! {
-    // SAFETY: this is the only place that names it, and it is entered once.
+    // SAFETY: this is the only place that names them, and it is entered once.
+    let signing = unsafe { (*(&raw mut SIGNING)).write(Signing::default()) };
+    // SAFETY: as above.
     let link = unsafe { (*(&raw mut LINK)).write(Link::new(black_box(Config::default()))) };
     let (mut telemetry, mut plans) = (Telemetry::default(), Plans);
     let mut bytes = [0; 64];
@@ -36,11 +41,13 @@ extern "C" fn reset() -> ! {
                 constants: QGROUNDCONTROL,
             },
             plans: &mut plans,
+            signing,
         };
         link_receive(link, black_box(&mut bytes), now, &mut context);
         link_requests(link, now, &context);
         link_poll(link, now, &mut context);
-        black_box(link_tell(link, black_box(PHOTO), now));
+        black_box(link_key(signing, now));
+        black_box(link_tell(link, black_box(PHOTO)));
     }
 }
 
