@@ -8,11 +8,11 @@ use mavlink::dialects::common::STATUSTEXT_DATA;
 
 use crate::wire::Message;
 
-/// The longest line.
-const LINE: usize = 150;
+/// The longest line: two parts and a bit. A reason in an error should not be larger than this.
+const LINE: usize = 104;
 
 /// Lines that wait.
-const LINES: usize = 6;
+const LINES: usize = 8;
 
 /// Bytes of a line in one message.
 const PART: usize = 50;
@@ -229,7 +229,7 @@ mod tests {
         let long = [
             (2, 0, 50),
             (2, 1, 50),
-            (2, 2, 20),
+            (2, 2, 4),
             (3, 0, 50),
             (3, 1, 50),
             (3, 2, 0),

@@ -1,4 +1,6 @@
 //! All services on one channel.
+//!
+//! What a caller calls is `inline(never)`: callers are compiled for speed.
 
 mod dispatch;
 mod recent;
@@ -144,6 +146,7 @@ struct Core {
 
 impl Link {
     /// A link that has heard nothing yet.
+    #[inline(never)]
     pub fn new(config: Config) -> Self {
         Self {
             parser: Parser::default(),
@@ -170,6 +173,7 @@ impl Link {
     }
 
     /// Takes bytes that have come, at `now` µs.
+    #[inline(never)]
     pub fn receive(&mut self, bytes: &[u8], now: u64, context: &mut Context<'_>) {
         let Self { parser, heard, core } = self;
         *heard = now;
@@ -184,6 +188,7 @@ impl Link {
     }
 
     /// No more bytes will come for what waits.
+    #[inline(never)]
     fn give_up(&mut self, now: u64, context: &mut Context<'_>) {
         let Self { parser, core, .. } = self;
         parser.give_up(|frame| core.take(frame, now, context));
@@ -191,6 +196,7 @@ impl Link {
 
     /// Gives the frames that are to be sent at `now` µs, each to one call of `out`. To be called
     /// every few milliseconds.
+    #[inline(never)]
     pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut dyn FnMut(&[u8])) {
         if self.parser.waits() && now.saturating_sub(self.heard) >= STALE {
             self.give_up(now, context);
@@ -200,6 +206,7 @@ impl Link {
 
     /// What a ground station wants of the vehicle: commands in the order in which they came, then
     /// the newest setpoint and sticks.
+    #[inline(never)]
     pub fn next_request(&mut self) -> Option<Order> {
         let Core { outbox, newest, .. } = &mut self.core;
         let next = outbox.next_request();
@@ -207,11 +214,13 @@ impl Link {
     }
 
     /// Answers a command. The first final answer counts; [`CommandResult::InProgress`] is not one.
+    #[inline(never)]
     pub fn finish(&mut self, id: CommandId, result: CommandResult, now: u64) {
         self.core.commands.finish(id, result, &mut self.core.outbox, now);
     }
 
     /// Tells how far a command has come, in percent.
+    #[inline(never)]
     pub fn progress(&mut self, id: CommandId, percent: u8, now: u64) {
         self.core
             .commands
@@ -219,6 +228,7 @@ impl Link {
     }
 
     /// Tells that a write to the parameter table was refused.
+    #[inline(never)]
     pub fn parameter_refused(&mut self, index: u16, refusal: Refusal, table: &dyn ParameterTable, now: u64) {
         let core = &mut self.core;
         let mut around = parameters::Surroundings {
@@ -231,21 +241,25 @@ impl Link {
     }
 
     /// Tells that a parameter has changed without a ground station having asked for it.
+    #[inline(never)]
     pub fn parameter_changed(&mut self, index: u16) {
         self.core.outbox.reply(Reply::Parameter(index));
     }
 
     /// Sends a line of text.
+    #[inline(never)]
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         self.core.outbox.say(severity, text);
     }
 
     /// Tells that an item of the mission was reached.
+    #[inline(never)]
     pub fn item_reached(&mut self, index: u16) {
         self.core.outbox.reply(Reply::Reached(index));
     }
 
     /// Tells that a photo was taken. The oldest one that was not told yet makes room, and counts.
+    #[inline(never)]
     pub fn photo_taken(&mut self, photo: Photo) {
         let Core { photos, outbox, .. } = &mut self.core;
         if photos.is_full() {
@@ -266,6 +280,7 @@ impl Link {
     }
 
     /// What was counted since start.
+    #[inline(never)]
     pub fn counters(&self) -> Counters {
         let core = &self.core;
         Counters {

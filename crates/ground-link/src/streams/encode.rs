@@ -33,24 +33,24 @@ impl Source<'_> {
 /// known that it could say.
 pub(crate) fn message(number: u16, source: &Source<'_>, m: &mut Message) -> bool {
     m.start(u32::from(number));
-    let written = match number {
-        0 => Some(flight::heartbeat(source, m)),
-        1 => Some(power::sys_status(source, m)),
-        2 => Some(flight::system_time(source, m)),
-        24 => Some(place::gps_raw_int(source, m)),
-        30 => flight::attitude(source, m),
-        31 => flight::attitude_quaternion(source, m),
-        32 => place::local_position(source, m),
-        33 => place::global_position(source, m),
-        36 => Some(flight::servo_output(source, m)),
-        42 => Some(flight::mission_current(source, m)),
-        74 => Some(flight::vfr_hud(source, m)),
-        147 => Some(power::battery_status(source, m)),
-        242 => place::home_position(source, m),
-        245 => Some(flight::extended_sys_state(source, m)),
-        _ => None,
-    };
-    written.is_some()
+    match number {
+        0 => flight::heartbeat(source, m),
+        1 => power::sys_status(source, m),
+        2 => flight::system_time(source, m),
+        24 => place::gps_raw_int(source, m),
+        30 => return flight::attitude(source, m).is_some(),
+        31 => return flight::attitude_quaternion(source, m).is_some(),
+        32 => return place::local_position(source, m).is_some(),
+        33 => return place::global_position(source, m).is_some(),
+        36 => flight::servo_output(source, m),
+        42 => flight::mission_current(source, m),
+        74 => flight::vfr_hud(source, m),
+        147 => power::battery_status(source, m),
+        242 => return place::home_position(source, m).is_some(),
+        245 => flight::extended_sys_state(source, m),
+        _ => return false,
+    }
+    true
 }
 
 pub(crate) use place::image_captured;
