@@ -56,7 +56,7 @@ const STEPS: &[Step] = &[
     ),
     step(
         "fuzz",
-        "the log's reader stands half a minute of fuzzing",
+        "what reads bytes from outside stands two minutes of fuzzing",
         fuzz::targets,
     ),
     step(
@@ -71,12 +71,12 @@ const STEPS: &[Step] = &[
     ),
     step(
         "no-panic",
-        "no panic can be reached from the steps and their log",
+        "no panic can be reached from the steps, their log and the ground link",
         no_panic::links,
     ),
     step(
         "no-panic-fails",
-        "the proof notices an unwrap in a step",
+        "the proof notices an unwrap in a step and in the link",
         no_panic::fails_to_link,
     ),
     step("nalgebra", "nalgebra has no feature `std`", nalgebra::has_no_std),
@@ -89,6 +89,11 @@ const STEPS: &[Step] = &[
         "size",
         "the firmware takes no more flash and RAM than it may",
         size::check,
+    ),
+    step(
+        "link-size",
+        "the ground link takes no more flash and RAM than it may",
+        size::check_link,
     ),
     tests(
         "hil",
