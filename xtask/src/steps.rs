@@ -48,6 +48,11 @@ const STEPS: &[Step] = &[
         cargo_checks::workspace,
     ),
     tests("flights", "whole flights, release profile", cargo_checks::flights),
+    tests(
+        "noise",
+        "the ground link stands millions of bytes and frames, release profile",
+        cargo_checks::noise,
+    ),
     step("hash", "every build flies the same bits", hash::is_equal),
     step(
         "pyulog",

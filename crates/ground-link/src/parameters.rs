@@ -145,7 +145,7 @@ impl ParameterService {
             Write {
                 index,
                 value,
-                deadline: around.now + WRITE_TIMEOUT,
+                deadline: around.now.saturating_add(WRITE_TIMEOUT),
             },
             from,
             around,

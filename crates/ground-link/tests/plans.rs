@@ -401,3 +401,15 @@ fn the_current_item_is_set_if_there_is_one() {
     }
     assert_eq!(bench.vehicle.requests(), [Request::SetCurrentItem { index: 4 }]);
 }
+
+/// Found by a million frames: after an upload that failed, the item before item 0 of none was taken
+/// for its last one, and acknowledged as accepted.
+#[test]
+fn no_item_is_the_last_one_of_an_upload_that_failed() {
+    let mut bench = Bench::new();
+    bench.ask(&count(3, MISSION));
+    bench.ask(&item_data(&plan(3, 0)[0], 2, MISSION));
+    bench.run(2_000_000);
+    let seen = bench.ask(&item_data(&plan(3, 0)[0], u16::MAX, MISSION));
+    assert_eq!(results(&seen), [R::MAV_MISSION_ERROR]);
+}

@@ -97,7 +97,11 @@ impl MissionService {
             crc: 0,
             asked: now,
             progressed: now,
-            tolerant_until: if tolerant { now + LEFT_OVER } else { 0 },
+            tolerant_until: if tolerant {
+                now.saturating_add(LEFT_OVER)
+            } else {
+                0
+            },
         };
         if count == 0 {
             self.finish(upload, around);
@@ -153,7 +157,7 @@ impl MissionService {
         let Some(last) = self.finished.as_mut().filter(|last| last.from == from) else {
             return around.ack(from, kind.code(), MissionResult::Error);
         };
-        let is_last = last.kind == kind && received.index + 1 == last.count;
+        let is_last = last.kind == kind && last.count.checked_sub(1) == Some(received.index);
         if is_last && around.now.saturating_sub(last.told) >= REPEATED {
             last.told = around.now;
             around.ack(from, kind.code(), MissionResult::Accepted);
