@@ -117,8 +117,8 @@ pub enum Request {
     ResetParameters,
     /// Say what speaks against arming, as lines of text.
     CheckArming,
-    /// From now on only those who have this key are heard: [`crate::Link::set_signing_key`]. To be
-    /// heeded on a trusted channel only, such as USB.
+    /// From now on only those who have this key are heard: [`crate::Signing::set_key`]. To be heeded
+    /// on a trusted channel only, such as USB.
     SetSigningKey {
         /// The key.
         secret: [u8; 32],

@@ -65,7 +65,11 @@ pub struct Signing {
 impl Signing {
     /// From `now` (µs) on only frames signed with this secret are let in. `time` is in 10 µs since
     /// 2015-01-01; it must be later than all that was ever signed with it.
+    /// A secret of nothing but zeros, which everybody knows, is none: it ends signing.
     pub fn set_key(&mut self, secret: [u8; 32], time: u64, now: u64) {
+        if secret == [0; 32] {
+            return self.clear_key();
+        }
         self.streams.clear();
         self.key = Some(Key {
             secret,
@@ -293,7 +297,8 @@ mod tests {
             ..Refusals::default()
         };
         assert_eq!(vehicle.refusals(), refusals);
-        vehicle.clear_key();
+        vehicle.set_key([0; 32], TIME, 0);
+        assert!(!vehicle.is_on());
         assert!(accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
     }
 

@@ -134,7 +134,7 @@ impl fmt::Display for Decimal {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Waiting {
     severity: Severity,
     line: Line,
@@ -151,10 +151,15 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// Puts a line at the end; when there is no room, it is counted.
+    /// Puts a line at the end, unless the same waits already: whoever asks the same again and again
+    /// must not crowd out what others are told. When there is no room, it is counted.
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         let line = Line::new(text);
-        if self.lines.push_back(Waiting { severity, line }).is_err() {
+        let waiting = Waiting { severity, line };
+        if self.lines.iter().any(|other| *other == waiting) {
+            return;
+        }
+        if self.lines.push_back(waiting).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }
@@ -240,8 +245,9 @@ mod tests {
     #[test]
     fn a_line_too_long_is_cut_and_too_many_are_counted() {
         let mut texts = Texts::default();
-        for _ in 0..LINES + 3 {
-            texts.say(Severity::Info, format_args!("{:ä<300}", ""));
+        for number in 0..LINES + 3 {
+            texts.say(Severity::Info, format_args!("{number} {:ä<300}", ""));
+            texts.say(Severity::Info, format_args!("0 {:ä<300}", ""));
         }
         assert_eq!(texts.dropped(), 3);
         assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);

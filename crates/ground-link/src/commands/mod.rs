@@ -5,7 +5,10 @@
 //! the vehicle has not answered for soon after it came is acknowledged as in progress.
 
 mod arguments;
+mod flight;
+mod number;
 mod translate;
+mod upkeep;
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavResult};
