@@ -56,8 +56,10 @@ pub fn pass(bench: &mut Bench, time: u64) {
 
 /// Whatever has been: a ping is answered, and an upload may begin.
 pub fn still_answers(bench: &mut Bench) {
+    // A frame that was swallowed by a false start is found when that is given up, and may begin an
+    // upload, which is given up in turn.
+    pass(bench, 100_000);
     pass(bench, 6_000_000);
-    bench.run(STEP);
     bench.station = Station::new(77);
     let ping = PING_DATA {
         time_usec: 12_345,

@@ -25,12 +25,13 @@ static mut SIGNING: MaybeUninit<Signing> = MaybeUninit::uninit();
 /// The entry: the link for ever, on inputs that the optimiser knows nothing about.
 #[unsafe(no_mangle)]
 extern "C" fn reset() -> ! {
+    let (signing, link) = (&raw mut SIGNING, &raw mut LINK);
     // SAFETY: this is the only place that names them, and it is entered once.
-    let signing = unsafe { (*(&raw mut SIGNING)).write(Signing::default()) };
-    // SAFETY: as above.
-    let link = unsafe { (*(&raw mut LINK)).write(Link::new(black_box(Config::default()))) };
+    let (signing, link) = unsafe { (&mut *signing, &mut *link) };
+    let signing = signing.write(Signing::default());
+    let link = link.write(Link::new(black_box(Config::default())));
     let (mut telemetry, mut plans) = (Telemetry::default(), Plans);
-    let mut bytes = [0; 64];
+    let bytes = [0; 64];
     loop {
         let now = black_box(0);
         black_box(&mut telemetry);
@@ -43,7 +44,7 @@ extern "C" fn reset() -> ! {
             plans: &mut plans,
             signing,
         };
-        link_receive(link, black_box(&mut bytes), now, &mut context);
+        link_receive(link, black_box(&bytes), now, &mut context);
         link_requests(link, now, &context);
         link_poll(link, now, &mut context);
         black_box(link_key(signing, now));
