@@ -54,6 +54,15 @@ pub(crate) enum Reply {
     Reached(u16),
     Parameter(u16),
     ParameterHash,
+    /// Why there is no value.
+    ParameterError {
+        to: Address,
+        /// As it was asked for.
+        index: i16,
+        id: [u8; 16],
+        /// `MAV_PARAM_ERROR`.
+        error: u8,
+    },
     /// A message of telemetry, by its number.
     Telemetry(u16),
     Version,

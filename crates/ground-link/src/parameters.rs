@@ -32,6 +32,10 @@ const WRITES: usize = 4;
 /// A write that the table does not show after this time is answered with what it holds, µs.
 const WRITE_TIMEOUT: u64 = 400_000;
 
+/// Why there is no value, or not the one that was to be set (`MAV_PARAM_ERROR`).
+const DOES_NOT_EXIST: u8 = 1;
+const OUT_OF_RANGE: u8 = 2;
+
 /// The index that says "by name".
 const BY_NAME: i16 = -1;
 
@@ -97,21 +101,25 @@ impl ParameterService {
         }
     }
 
-    /// Sends one parameter, or the hash. What there is not is not answered.
-    pub fn read(&mut self, payload: Payload<'_>, around: &mut Surroundings<'_>) {
+    /// Sends one parameter, or the hash, or says that there is no such one.
+    pub fn read(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
         if !payload.is_for(around.own, 2) {
             return;
         }
         let id = payload.bytes::<NAME>(4);
         let name = crate::wire::text(&id);
-        let index = match payload.short(0) {
+        let asked = payload.short(0);
+        let index = match asked {
             BY_NAME if name == HASH => return around.outbox.reply(Reply::ParameterHash),
             BY_NAME => around.table.find(name),
             index => u16::try_from(index).ok(),
         };
-        if let Some(index) = index.filter(|index| *index < around.table.count()) {
-            around.outbox.reply(Reply::Parameter(index));
-        }
+        around
+            .outbox
+            .reply(match index.filter(|index| *index < around.table.count()) {
+                Some(index) => Reply::Parameter(index),
+                None => error(from, asked, id, DOES_NOT_EXIST),
+            });
     }
 
     /// Asks for a write, or says why not.
@@ -130,6 +138,7 @@ impl ParameterService {
         let Some((index, declaration)) =
             found.and_then(|index| Some((index, around.table.declaration(index)?)))
         else {
+            around.outbox.reply(error(from, BY_NAME, id, DOES_NOT_EXIST));
             let text = format_args!("{}: there is no such parameter", Plain(name));
             return around.outbox.say(Severity::Warning, text);
         };
@@ -139,6 +148,7 @@ impl ParameterService {
             return around.outbox.say(Severity::Warning, text);
         }
         if let Err(refusal) = declaration.check(value) {
+            around.outbox.reply(error(from, BY_NAME, id, OUT_OF_RANGE));
             return refuse(index, refusal, around);
         }
         self.write(
@@ -216,6 +226,11 @@ impl ParameterService {
         self.listing = (index.saturating_add(1) < table.count()).then_some(index + 1);
         (index < table.count()).then_some(index)
     }
+}
+
+/// A refusal for clients that know `PARAM_ERROR`: they do not have to wait or to ask again.
+fn error(to: Address, index: i16, id: [u8; NAME], error: u8) -> Reply {
+    Reply::ParameterError { to, index, id, error }
 }
 
 #[inline(never)]

@@ -84,7 +84,19 @@ fn one_is_read_by_name_and_by_index() {
         read("", -2),
         read("MOT_IDL", -1),
     ] {
-        assert!(all::<PARAM_VALUE_DATA>(&bench.ask(&asked)).is_empty());
+        let seen = bench.ask(&asked);
+        assert!(all::<PARAM_VALUE_DATA>(&seen).is_empty());
+        let errors: Vec<PARAM_ERROR_DATA> = all(&seen);
+        assert_eq!(errors.len(), 1, "no silence");
+        assert_eq!(
+            (errors[0].param_index, errors[0].param_id, errors[0].error),
+            (
+                asked.param_index,
+                asked.param_id,
+                MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST
+            )
+        );
+        assert_eq!(errors[0].target_system, 255);
     }
 }
 

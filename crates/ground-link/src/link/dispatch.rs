@@ -116,7 +116,7 @@ impl Core {
         };
         match frame.id {
             wire::PARAM_REQUEST_LIST_DATA::ID => self.parameters.list(payload, self.config.address),
-            wire::PARAM_REQUEST_READ_DATA::ID => self.parameters.read(payload, around),
+            wire::PARAM_REQUEST_READ_DATA::ID => self.parameters.read(payload, from, around),
             wire::PARAM_SET_DATA::ID => self.parameters.set(payload, from, around),
             _ => return false,
         }

@@ -3,7 +3,8 @@
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    FILE_TRANSFER_PROTOCOL_DATA, MESSAGE_INTERVAL_DATA, MISSION_ITEM_REACHED_DATA, PING_DATA, TIMESYNC_DATA,
+    FILE_TRANSFER_PROTOCOL_DATA, MESSAGE_INTERVAL_DATA, MISSION_ITEM_REACHED_DATA, PARAM_ERROR_DATA,
+    PING_DATA, TIMESYNC_DATA,
 };
 
 use super::{Context, Core};
@@ -207,6 +208,10 @@ impl Core {
             }
             Reply::Parameter(index) => parameters::value_message(context.parameters, index, m)?,
             Reply::ParameterHash => parameters::hash_message(context.parameters, m),
+            Reply::ParameterError { to, index, id, error } => {
+                m.start(PARAM_ERROR_DATA::ID).short(index).target(to);
+                m.bytes(&id).byte(error);
+            }
             Reply::Telemetry(number) => {
                 return encode::message(number, &self.source(now, context), m).then_some(());
             }
