@@ -66,12 +66,12 @@ pub enum Request {
     SetMode(Mode),
     /// Fly the stored mission from an item on.
     StartMission {
-        /// Index of the first item.
+        /// Index of the first item; it may lie beyond the mission.
         first: u16,
     },
     /// Go on with another item of the mission.
     SetCurrentItem {
-        /// Its index.
+        /// Its index; as a command it may lie beyond the mission, and is then to be denied.
         index: u16,
     },
     /// Put home somewhere.
