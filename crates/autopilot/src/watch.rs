@@ -75,6 +75,8 @@ pub struct Wanted {
     pub cos_tilt: f32,
     /// Whether it was all the thrust that there is.
     pub all_thrust: bool,
+    /// Whether it was much less than the weight.
+    pub light: bool,
 }
 
 impl Default for Wanted {
@@ -82,6 +84,7 @@ impl Default for Wanted {
         Self {
             cos_tilt: 1.0,
             all_thrust: false,
+            light: true,
         }
     }
 }
@@ -146,6 +149,9 @@ impl Symptoms {
         self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
         let saturated = if wanted.all_thrust {
             1.0
+        } else if wanted.light {
+            // At the lower end of the thrust, torques are short of room: on the ground, as a rule.
+            0.0
         } else {
             f32::from(increments.saturated) / ticks
         };
