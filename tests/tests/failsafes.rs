@@ -41,7 +41,7 @@ fn faulty(faults: &[&str]) -> Setup {
 
 /// A battery of this charge whose voltage drops by a volt, as if a part of it were suddenly gone.
 fn sagging(charge: f64) -> Setup {
-    let mut setup = with_parameter(faulty(&["battery-bias-step@40"]), "COM_RANGE_MARGIN", 1.0);
+    let mut setup = with_parameter(faulty(&["battery-bias-step@40"]), "BAT1_CAPACITY", -1.0);
     if let Some(sensors) = &mut setup.sensors {
         sensors.charge = Some(charge);
     }
@@ -125,11 +125,13 @@ fn cases() -> Vec<Case> {
             MotorsOff,
         ),
         Case {
-            at: 14.0,
-            meddle: |flown, time| flown.dead_rotor = (time > 14.0).then_some(0),
+            meddle: |flown, time| flown.dead_rotor = (time > AT).then_some(0),
             ..case(
                 Row::TumbleLow,
-                with_parameter(base(), "FD_FAIL_HEIGHT", 15.0),
+                ["FD_FAIL_HEIGHT", "FD_FAIL_TILT", "FD_FAIL_TIME"]
+                    .into_iter()
+                    .zip([30.0, 0.9, 0.1])
+                    .fold(base(), |setup, (name, value)| with_parameter(setup, name, value)),
                 4.0,
                 None,
                 MotorsOff,
@@ -195,12 +197,12 @@ fn cases() -> Vec<Case> {
         ),
         case(
             Row::BatteryCritical,
-            sagging(0.73),
+            sagging(0.745),
             12.0,
             Some(Mode::Return),
             Home,
         ),
-        case(Row::BatteryLow, sagging(0.85), 12.0, None, Completed),
+        case(Row::BatteryLow, sagging(0.80), 12.0, None, Completed),
         Case {
             at: 0.0,
             within: 300.0,

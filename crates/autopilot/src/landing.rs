@@ -12,8 +12,6 @@ use crate::inner::Snapshot;
 
 /// Thrust on the ground is below this share of the weight.
 const THRUST: f32 = 0.4;
-/// Less thrust than this share of the weight does not hold a vehicle in the air.
-const LIGHT: f32 = 0.85;
 /// How far the specific force may be from gravity's, m/s².
 const FORCE: f32 = 1.5;
 /// Vertical and horizontal speed of a vehicle that stands, m/s.
@@ -24,6 +22,8 @@ const RATE: f32 = 0.5;
 const LANDED_AFTER: f32 = 0.6;
 /// Time constant of the means, s.
 const SMOOTHING: f32 = 0.1;
+/// And of the velocity while the accelerometer shows nothing, s.
+const BLIND_SMOOTHING: f32 = 0.5;
 
 /// Above the place of arming by so much, the vehicle flies, m.
 const AIRBORNE_HEIGHT: f32 = 0.3;
@@ -41,6 +41,9 @@ pub struct LandDetector {
     /// Means of the thrust over the weight, and of the specific force, FRD, m/s².
     thrust: f32,
     force: Vector3,
+    /// Mean of the velocity downwards while the accelerometer shows nothing: thrust alone tells of a
+    /// fall there, and the receiver takes it back, again and again. m/s.
+    sinking: f32,
 }
 
 impl Default for LandDetector {
@@ -51,6 +54,7 @@ impl Default for LandDetector {
             since: 0.0,
             thrust: 0.0,
             force: Vector3::new(0.0, 0.0, -GRAVITY),
+            sinking: 0.0,
         }
     }
 }
@@ -62,10 +66,10 @@ impl LandDetector {
         self.landed
     }
 
-    /// Whether the rotors give less than the weight, in the mean of a tenth of a second.
+    /// Size of the specific force, smoothed, m/s².
     #[inline]
-    pub fn is_light(&self) -> bool {
-        self.thrust < LIGHT
+    pub fn force(&self) -> f32 {
+        scalar::norm(self.force)
     }
 
     /// The vehicle stands here, `down` m below the origin.
@@ -87,6 +91,8 @@ impl LandDetector {
         let per_second = 1.0 / dt;
         self.thrust += (increments.thrust * per_second / weight - self.thrust) * share;
         self.force += (increments.velocity * per_second - self.force) * share;
+        let follows = if increments.blind > 0 { BLIND_SMOOTHING } else { 0.0 };
+        self.sinking += (estimate.velocity.z - self.sinking) * (dt / (dt + follows));
         let changes = if self.landed {
             self.lifts(estimate)
         } else {
@@ -118,7 +124,7 @@ impl LandDetector {
 
     fn stands(&self, snapshot: &Snapshot, estimate: &Estimate, per_second: f32) -> bool {
         let velocity = &estimate.velocity;
-        let still_upright = !estimate.known.height || velocity.z.abs() < SPEED.0;
+        let still_upright = !estimate.known.height || self.sinking.abs() < SPEED.0;
         let still_flat =
             !estimate.known.position || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
         let turn = snapshot.increments.rotation.shortest();

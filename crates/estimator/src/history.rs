@@ -124,6 +124,7 @@ impl Past {
             attitude,
             bias: [row[0] * self.lag, row[1] * self.lag, row[2] * self.lag],
             since: noise_density * self.lag,
+            half_lag: 0.5 * self.lag,
         }
     }
 

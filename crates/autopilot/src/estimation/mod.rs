@@ -375,7 +375,8 @@ impl Estimation {
                     self.sensors = SensorReport::new(filter, self.aiding.doubts);
                 }
                 self.steps = if self.steps < SLOW - 1 { self.steps + 1 } else { 0 };
-                if !landed {
+                // Where forces are only reckoned, what the receiver corrects is how the vehicle moves.
+                if !landed && snapshot.increments.blind == 0 {
                     self.handover.take_up(&reckoned, filter.state());
                 }
                 self.handover.decay(measured.duration);

@@ -11,6 +11,11 @@ pub(super) const CONTACT_DEPTH: f32 = 0.1;
 /// Slower than this it stands still, m/s.
 const STILL: f32 = 0.1;
 
+/// With the path so far below, m, a vehicle in the air would come down faster than this, m/s: also
+/// where its velocity is known badly.
+const SURE_DEPTH: f32 = 1.0;
+const SINKING: f32 = 0.5;
+
 /// The mode's memory.
 #[derive(Clone, Debug)]
 pub struct Land {
@@ -61,5 +66,6 @@ fn speed<S: ?Sized>(around: &Around<'_, S>) -> f32 {
 /// Whether something holds the vehicle while its setpoint goes on down: the ground, as a rule.
 pub(super) fn has_contact<S: ?Sized>(down: f32, around: &Around<'_, S>) -> bool {
     let below = down + around.handover.position.z - around.estimate.position.z;
-    below > CONTACT_DEPTH && around.estimate.velocity.z.abs() < STILL
+    let sinking = around.estimate.velocity.z.abs();
+    (below > CONTACT_DEPTH && sinking < STILL) || (below > SURE_DEPTH && sinking < SINKING)
 }

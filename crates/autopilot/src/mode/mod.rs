@@ -124,6 +124,8 @@ pub struct Around<'a, S: ?Sized> {
     pub stored: Option<Stored>,
     /// Whether the vehicle is on the ground.
     pub landed: bool,
+    /// Size of the specific force, in the mean of a tenth of a second, m/s².
+    pub force: f32,
     /// A pilot's sticks, while they are heard.
     pub sticks: Option<Sticks>,
     /// Setpoints from outside.
@@ -240,6 +242,8 @@ pub struct Step {
     pub contact: bool,
     /// Where the leg that is being flown leads, NED, m.
     pub leg_end: Option<Vector3>,
+    /// Share of the thrust that control finds that is given, 0 to 1.
+    pub thrust_share: f32,
 }
 
 impl Step {
@@ -254,6 +258,7 @@ impl Step {
             next: None,
             contact: false,
             leg_end: None,
+            thrust_share: 1.0,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::mode::{Demand, Step};
 impl Outer {
     /// Attitude and thrust that do what is demanded.
     pub(super) fn control(&mut self, step: &Step, snapshot: &Snapshot, dt: u32) -> AttitudeSetpoint {
-        let setpoint = match &step.demand {
+        match &step.demand {
             Demand::Rest => {
                 self.position.reset();
                 self.level(0.0)
@@ -55,12 +55,7 @@ impl Outer {
                     thrust,
                 }
             }
-        };
-        if step.contact {
-            // The legs hold the vehicle where it is: a tilt demanded now would only topple it.
-            return self.level(setpoint.thrust);
         }
-        setpoint
     }
 
     fn position_estimate(&self) -> PositionEstimate {
@@ -91,7 +86,7 @@ impl Outer {
     }
 
     /// Upright, with the heading kept.
-    fn level(&self, thrust: f32) -> AttitudeSetpoint {
+    pub(super) fn level(&self, thrust: f32) -> AttitudeSetpoint {
         AttitudeSetpoint {
             attitude: Quaternion::from_heading(self.estimation.estimate().attitude.heading()),
             rate: Vector3::zeros(),

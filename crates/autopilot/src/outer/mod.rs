@@ -34,6 +34,9 @@ use crate::watch::{Seen, Wanted, Watch, is_position_known, time_to_return};
 pub use command::NO_ITEM;
 pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
 
+/// Less thrust than this share of the weight does not hold a vehicle in the air.
+const LIGHT: f32 = 0.85;
+
 /// Of the time until a failsafe brakes: estimate, look, attitude, s.
 const REACTION: f32 = 0.5;
 
@@ -193,14 +196,13 @@ impl Outer {
         self.decide(snapshot, source, dt, result);
         let step = self.fly(source, dt, &mut result.report.events);
         self.next = step.next;
-        // A vehicle that the ground holds needs little thrust.
-        let step = Step {
-            contact: step.contact && self.landing.is_light(),
-            ..step
-        };
-        self.contact = step.contact;
         self.count_idling(&step.demand);
-        result.setpoint = self.control(&step, snapshot, dt);
+        let mut wanted = self.control(&step, snapshot, dt);
+        wanted.thrust *= step.thrust_share;
+        // A vehicle that the ground holds needs little thrust. The legs hold it where it is: a tilt
+        // demanded now would only topple it.
+        self.contact = step.contact && wanted.thrust < LIGHT * self.weight();
+        result.setpoint = if self.contact { self.level(wanted.thrust) } else { wanted };
         self.wanted = self.wanted(&result.setpoint);
         result.motors = self.motors(&step.demand);
         result.tick = snapshot.tick;
@@ -461,6 +463,7 @@ impl Outer {
             source,
             stored: self.plans.mission,
             landed: self.landing.is_landed(),
+            force: self.landing.force(),
             sticks: self.remote.sticks(),
             setpoints: &self.setpoints,
             dt,
@@ -508,7 +511,7 @@ impl Outer {
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
-        result.landed = self.landing.is_landed() || step.contact;
+        result.landed = self.landing.is_landed() || self.contact;
         result.motor_gain = self.parameters.motor.gain(self.battery.voltage());
         let report = &mut result.report;
         report.phase = self.supervisor.phase();

@@ -34,6 +34,8 @@ pub(crate) struct LateVelocity {
     pub(crate) bias: Row,
     /// Process noise since then, m²/s².
     pub(crate) since: f32,
+    /// Half of the time since then, s: what its mean has moved the position by for each m/s.
+    pub(crate) half_lag: f32,
 }
 
 /// How a component of the specific force depends on errors.
@@ -221,7 +223,9 @@ impl Covariance {
         c.add(hi, &self.attitude_column(i));
         c.add(hj, &self.attitude_column(j));
         c.add(1.0, &self.velocity_column(axis));
+        // The process noise since then is in the present velocity, and in the position.
         c.v[k] -= late.since;
+        c.p[k] -= late.since * late.half_lag;
         let (i, j) = (i as usize, j as usize);
         let variance = c.v[k] + hi * c.a[i] + hj * c.a[j] + dot(hb, c.b);
         let turning = hi * hi * self.aa[i][i] + hj * hj * self.aa[j][j];

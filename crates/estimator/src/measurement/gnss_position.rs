@@ -31,7 +31,7 @@ impl Filter {
     pub fn fuse_gnss_position(&mut self, measured: &GnssPosition) -> Result<Report<2>, Refusal> {
         let past = self.gnss_border(measured, measured.horizontal_deviation);
         let past = self.counted(Sensor::GnssPosition, past)?;
-        let noise = measured.horizontal_deviation * measured.horizontal_deviation;
+        let noise = self.late_noise(measured.horizontal_deviation, past.lag);
         let reference = Reference::Position { lag: past.lag };
         let wrong = measured.position - past.position(&self.state);
         let tests = [
@@ -60,7 +60,7 @@ impl Filter {
     pub fn fuse_gnss_height(&mut self, measured: &GnssPosition) -> Result<Report<1>, Refusal> {
         let past = self.gnss_border(measured, measured.vertical_deviation);
         let past = self.counted(Sensor::GnssHeight, past)?;
-        let noise = measured.vertical_deviation * measured.vertical_deviation;
+        let noise = self.late_noise(measured.vertical_deviation, past.lag);
         let reference = Reference::Position { lag: past.lag };
         let wrong = measured.position.z - past.position(&self.state).z;
         let tests = [self.test_direct(reference, Axis::Z, wrong, noise)];
@@ -74,6 +74,13 @@ impl Filter {
                 filter.shift_datum(wrong);
             },
         ))
+    }
+
+    /// Variance of a late position against the present one less lag · velocity: the process noise
+    /// since then has moved the position by Q·lag³/3 that the velocity does not tell of.
+    #[inline]
+    fn late_noise(&self, deviation: f32, lag: f32) -> f32 {
+        deviation * deviation + self.densities.velocity * (lag * lag * lag * (1.0 / 3.0))
     }
 
     fn gnss_border(&self, measured: &GnssPosition, claimed: f32) -> Result<Past, Refusal> {
