@@ -8,6 +8,7 @@ use windhover_math::{max, min};
 use crate::battery::Charge;
 use crate::estimation::Estimate;
 use crate::inner::{Snapshot, Stop};
+use crate::io::Increments;
 use crate::mode::Mode;
 use crate::parameters::Parameters;
 use crate::schedule::OUTER_RATE;
@@ -122,13 +123,22 @@ impl Symptoms {
     #[inline]
     fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) {
         let increments = &snapshot.increments;
-        let ticks = f32::from(increments.ticks.max(1));
-        let share = |time: f32| min(increments.duration / time, 1.0);
-        let bad = f32::from(increments.missing.max(increments.blind).max(increments.clipped));
-        self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
-        self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share(SHARE_TIME);
-        self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(TILT_TIME);
+        let shown = increments.missing | increments.blind | increments.clipped | increments.saturated;
+        if shown > 0 || self.bad_samples > 0.0 || self.saturated > 0.0 {
+            self.count(increments);
+        }
+        self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(increments, TILT_TIME);
         self.was_silent |= increments.duration > SILENCE;
+    }
+
+    /// Takes in ticks at which something was wrong, or whose shares still fade.
+    #[inline(never)]
+    fn count(&mut self, increments: &Increments) {
+        let ticks = f32::from(increments.ticks.max(1));
+        let share = share(increments, SHARE_TIME);
+        let bad = f32::from(increments.missing.max(increments.blind).max(increments.clipped));
+        self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share;
+        self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share;
     }
 
     /// The rows whose condition holds.
@@ -169,6 +179,11 @@ impl Symptoms {
     }
 }
 
+/// How far a mean over `time` s follows an interval.
+fn share(increments: &Increments, time: f32) -> f32 {
+    min(increments.duration / time, 1.0)
+}
+
 /// Whether a position can be relied on: as declared, and measured not too long ago.
 pub fn is_position_known(estimate: &Estimate, age: Option<f32>, parameters: &Parameters) -> bool {
     let measured = age.is_none_or(|age| age <= parameters.safety.position_lost);
@@ -179,7 +194,8 @@ pub fn is_position_known(estimate: &Estimate, age: Option<f32>, parameters: &Par
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     symptoms: Symptoms,
-    /// For how long each condition has held, or has been gone, in looks.
+    /// For how long each condition has held, or has been gone, in looks; counted while its row is not
+    /// yet as the condition is.
     held: [u16; ROWS],
     /// The conditions that held at the last look.
     last: RowSet,
@@ -221,18 +237,25 @@ impl Watch {
     pub fn look(&mut self, seen: &Seen<'_>) -> RowSet {
         let now = self.symptoms.rows(seen);
         let before = self.active;
-        for (row, held) in Row::ALL.iter().zip(&mut self.held) {
-            let (is, was) = (now.contains(*row), self.last.contains(*row));
-            *held = if is == was { held.saturating_add(1) } else { 0 };
+        let changed = now.xor(self.last);
+        // All others are as their conditions are: there is nothing to be timed.
+        for row in now.xor(before).iter() {
+            let Some(held) = self.held.get_mut(row as usize) else {
+                continue;
+            };
+            *held = if changed.contains(row) {
+                0
+            } else {
+                held.saturating_add(1)
+            };
             let watched = row.watched();
-            let active = self.active.contains(*row);
-            let time = if is {
+            let time = if now.contains(row) {
                 (watched.after)(seen.parameters)
             } else {
                 watched.clears
             };
-            if is != active && f32::from(*held) * PERIOD >= time {
-                self.active = RowSet(self.active.0 ^ RowSet::of(*row).0);
+            if f32::from(*held) * PERIOD >= time {
+                self.active = self.active.xor(RowSet::of(row));
             }
         }
         self.last = now;
