@@ -82,7 +82,7 @@ impl LandDetector {
         let changes = if self.landed {
             self.lifts(estimate)
         } else {
-            self.stands(snapshot, estimate, per_second)
+            self.thrust < THRUST && self.stands(snapshot, estimate, per_second)
         };
         self.since = if changes { self.since + dt } else { 0.0 };
         let enough = if !self.landed {
@@ -114,7 +114,7 @@ impl LandDetector {
         let turn = snapshot.increments.rotation.shortest();
         let rate = 2.0 * per_second * scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
         let held = (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
-        self.thrust < THRUST && held && still_upright && still_flat && rate < RATE
+        held && still_upright && still_flat && rate < RATE
     }
 }
 

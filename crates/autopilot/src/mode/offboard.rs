@@ -82,6 +82,9 @@ impl Setpoints {
     /// in the order of [`Outside`] counts.
     pub fn take(&mut self, inputs: &OuterInputs, dt: u32) {
         self.age = self.age.saturating_add(dt);
+        if inputs.attitude.is_empty() && inputs.guidance.is_empty() && inputs.setpoint.is_empty() {
+            return;
+        }
         let attitude = inputs.attitude.iter().rev().find(|setpoint| setpoint.is_valid());
         let guidance = inputs.guidance.iter().rev().find(|setpoint| setpoint.is_valid());
         let point = inputs.setpoint.iter().rev().find(|setpoint| setpoint.is_finite());

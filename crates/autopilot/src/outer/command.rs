@@ -11,6 +11,7 @@ use crate::mission::action::{Altitude, Place};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Target};
 use crate::queue::Command;
+use crate::rc::Events;
 use crate::supervisor::{Denied, Facts, Order, Phase, Row};
 use crate::watch::Needs;
 
@@ -27,6 +28,9 @@ impl Outer {
         events: &mut MissionEvents,
         refusals: &mut heapless::Vec<Refused, 8>,
     ) {
+        if !self.is_commanded(snapshot) {
+            return;
+        }
         let switches = self.switches;
         let arm = match switches.arm {
             Some(true) => Some(Command::Arm),
@@ -40,6 +44,12 @@ impl Outer {
                 let _ = refusals.push(Refused::Command(command, why));
             }
         }
+    }
+
+    /// Whether there is a command, or a switch was thrown.
+    pub(super) fn is_commanded(&self, snapshot: &Snapshot) -> bool {
+        let Events { arm, mode, .. } = self.switches;
+        arm.is_some() || mode.is_some() || !snapshot.inputs.command.is_empty()
     }
 
     fn command<S: MissionSource + ?Sized>(
