@@ -6,11 +6,12 @@ use windhover_math::{Quaternion, Vector3};
 
 use super::Outer;
 use crate::inner::Snapshot;
-use crate::mode::{Demand, Step};
+use crate::mode::Demand;
 
 impl Outer {
     /// Attitude and thrust that do what is demanded.
-    pub(super) fn control(&mut self, step: &Step, snapshot: &Snapshot, dt: u32) -> AttitudeSetpoint {
+    pub(super) fn control(&mut self, snapshot: &Snapshot, dt: u32) -> AttitudeSetpoint {
+        let step = self.modes.last();
         let setpoint = match &step.demand {
             Demand::Rest => {
                 self.position.reset();
@@ -56,7 +57,7 @@ impl Outer {
                 }
             }
         };
-        if step.contact {
+        if self.contact {
             // The legs hold the vehicle where it is: a tilt demanded now would only topple it.
             return self.level(setpoint.thrust);
         }

@@ -23,7 +23,7 @@ use crate::fence::FenceAction;
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::landing::LandDetector;
 use crate::mission::{MissionEvent, MissionEvents, MissionSource};
-use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, Step, available};
+use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, available};
 use crate::parameters::Parameters;
 use crate::queue::ParameterWrite;
 use crate::rc::{Events, Remote};
@@ -186,14 +186,15 @@ impl Outer {
         self.observe(&before, snapshot);
         self.listen(snapshot, dt);
         self.decide(snapshot, source, dt, result);
-        let step = self.fly(source, dt, &mut result.report.events);
+        self.fly(source, dt, &mut result.report.events);
+        let step = self.modes.last();
         self.next = step.next;
         self.contact = step.contact;
-        result.setpoint = self.control(&step, snapshot, dt);
-        self.cos_tilt = result.setpoint.attitude.cos_tilt();
         result.motors = self.motors(&step.demand);
+        result.setpoint = self.control(snapshot, dt);
+        self.cos_tilt = result.setpoint.attitude.cos_tilt();
         result.tick = snapshot.tick;
-        self.tell(&step, result);
+        self.tell(result);
     }
 
     /// Time since the last snapshot, µs.
@@ -390,11 +391,11 @@ impl Outer {
     }
 
     /// Lets the mode make its step.
-    fn fly<S: MissionSource + ?Sized>(&mut self, source: &S, dt: u32, events: &mut MissionEvents) -> Step {
+    fn fly<S: MissionSource + ?Sized>(&mut self, source: &S, dt: u32, events: &mut MissionEvents) {
         let phase = self.supervisor.phase();
         let spools = phase == Phase::Armed && self.on_ground < self.parameters.safety.spool_up;
         if phase == Phase::Disarmed || spools {
-            return Step::rest();
+            return self.modes.pause();
         }
         let around = Around {
             parameters: &self.parameters,
@@ -412,7 +413,7 @@ impl Outer {
             dt,
             seconds: dt as f32 * 1e-6,
         };
-        self.modes.step(self.supervisor.mode(), &around, events)
+        self.modes.step(self.supervisor.mode(), &around, events);
     }
 
     fn motors(&self, demand: &Demand) -> MotorState {
@@ -450,7 +451,8 @@ impl Outer {
     }
 
     /// Writes what follows from the state after the step.
-    fn tell(&mut self, step: &Step, result: &mut OuterResult) {
+    fn tell(&mut self, result: &mut OuterResult) {
+        let step = self.modes.last();
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
