@@ -86,7 +86,14 @@ fn report(lanes: &mut Lanes, report: &OuterReport) {
         report.blockers.0,
         u32::from(mission.current) << 16 | u32::from(mission.count),
         u32::from(mission.begun) << 8 | battery.charge as u32,
-        battery.voltage.unwrap_or_default().to_bits() ^ battery.drawn.to_bits(),
+        battery.drawn.to_bits(),
+    ]);
+    let maybe = |value: Option<f32>| value.map_or(u32::MAX, f32::to_bits);
+    lanes.words([
+        maybe(battery.voltage),
+        maybe(battery.current),
+        maybe(battery.remaining),
+        battery.arming_voltage.to_bits(),
     ]);
     let estimate = &report.estimate;
     let accuracy = &estimate.accuracy;

@@ -1,12 +1,16 @@
 //! Every record comes back as it was written, bit for bit.
 
 use proptest::prelude::*;
-use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::battery::BatterySample;
+use windhover_autopilot::mission::action::{Altitude, Place};
+use windhover_autopilot::mission::{MissionItem, PlanKind};
+use windhover_autopilot::mode::{Guidance, Target};
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, MissionCommit, MotorCommand, ParameterWrite, ScheduleRecord,
-    Urgent,
+    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, Imu, ImuCounts, MissionCommit,
+    Mode, MotorCommand, ParameterWrite, RcFrame, ScheduleRecord, Station, Sticks, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::record::{Description, Record};
 use windhover_flight_log::value::Scalar;
 use windhover_flight_log::wire::{Decoder, Encoder};
@@ -74,6 +78,59 @@ fn command() -> impl Strategy<Value = MotorCommand> {
     ]
 }
 
+/// Commands of every kind, and each kind with every choice of what it leaves out.
+fn commands_with(
+    slot: u8,
+    count: u16,
+    crc: u32,
+    (latitude, longitude): (i32, i32),
+    [metres, heading, speed]: [f32; 3],
+) -> Vec<Command> {
+    let altitudes = [
+        None,
+        Some(Altitude::Home(metres)),
+        Some(Altitude::SeaLevel(metres)),
+    ];
+    let place = |altitude| Place {
+        latitude,
+        longitude,
+        altitude,
+    };
+    let mut all = vec![
+        Command::Arm,
+        Command::ForceArm,
+        Command::Disarm,
+        Command::StartMission(count),
+        Command::TakePhoto,
+    ];
+    all.extend(Mode::ALL.map(Command::Fly));
+    for kind in [PlanKind::Mission, PlanKind::Fence, PlanKind::Rally] {
+        all.push(Command::Commit(kind, MissionCommit { slot, count, crc }));
+    }
+    all.extend([None, Some(speed)].map(Command::SetSpeed));
+    for altitude in altitudes {
+        all.push(Command::SetHome(altitude.map(place)));
+        all.push(Command::LookAt(altitude.map(place)));
+        for heading in [None, Some(heading)] {
+            all.push(Command::Takeoff(altitude, heading));
+            for (ground, speed) in [
+                (None, None),
+                (None, Some(speed)),
+                (Some((latitude, longitude)), None),
+                (Some((latitude, longitude)), Some(speed)),
+            ] {
+                all.push(Command::GoTo(Target {
+                    ground,
+                    altitude,
+                    heading,
+                    speed,
+                }));
+            }
+        }
+    }
+    all
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -83,6 +140,15 @@ proptest! {
         comes_back::<ParameterWrite>(&bytes)?;
         comes_back::<TrajectorySetpoint>(&bytes)?;
         comes_back::<MissionItem>(&bytes)?;
+        comes_back::<Guidance>(&bytes)?;
+        comes_back::<RcFrame>(&bytes)?;
+        comes_back::<Sticks>(&bytes)?;
+        comes_back::<BatterySample>(&bytes)?;
+        comes_back::<Station>(&bytes)?;
+        comes_back::<AttitudeSetpoint>(&bytes)?;
+        comes_back::<BarometerSample>(&bytes)?;
+        comes_back::<CompassSample>(&bytes)?;
+        comes_back::<GnssSample>(&bytes)?;
         for topic in views::TOPICS {
             view_comes_back(topic, &bytes)?;
         }
@@ -94,9 +160,10 @@ proptest! {
     }
 
     #[test]
-    fn commands_come_back(slot: u8, count: u16, crc: u32) {
-        let commit = Command::CommitMission(MissionCommit { slot, count, crc });
-        for command in [Command::Arm, Command::Disarm, Command::StartMission, Command::StartOffboard, Command::StartAttitude, commit] {
+    fn commands_come_back(
+        slot: u8, count: u16, crc: u32, place: (i32, i32), altitude: f32, heading: f32, speed: f32,
+    ) {
+        for command in commands_with(slot, count, crc, place, [altitude, heading, speed]) {
             let bytes = bytes_of(|out| command.put(out));
             prop_assert_eq!(Command::get(&mut Decoder::new(&bytes)), Some(command));
         }

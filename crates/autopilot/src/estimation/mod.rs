@@ -286,7 +286,8 @@ impl Estimation {
 
     /// Whether a compass that was heard of is not to be relied on.
     pub fn is_compass_lost(&self) -> bool {
-        self.filter().is_some_and(|filter| self.aiding.is_compass_lost(filter))
+        self.filter()
+            .is_some_and(|filter| self.aiding.is_compass_lost(filter))
     }
 
     /// Whether a barometer that was heard of is not relied on any more.

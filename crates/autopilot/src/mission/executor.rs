@@ -166,10 +166,14 @@ impl MissionExecutor {
         self.path = Path::at(position);
         self.next = None;
         if matches!(self.current.kind, NavKind::Start { .. }) || matches!(self.state, State::Finished(_)) {
+            let landed = around.estimate.landed;
+            self.current.kind = NavKind::Start { landed };
             self.current.target = position;
             return;
         }
         self.rejoining = match self.state {
+            // It has been there already, on its way through.
+            State::Fly if self.reached => Some(State::Hold(0.0)),
             State::Fly | State::Arrive(_) => self.rejoining,
             State::Settle { item, .. } => Some(State::Settle {
                 item,
@@ -480,7 +484,7 @@ impl MissionExecutor {
     }
 
     fn give_up(&mut self, events: &mut MissionEvents) {
-        if self.current.kind == NavKind::Waypoint {
+        if self.current.kind == NavKind::Waypoint && self.rejoining.is_none() {
             let _ = events.push(MissionEvent::Missed(self.current.item));
         }
     }

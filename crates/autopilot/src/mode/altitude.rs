@@ -31,7 +31,7 @@ impl AltitudeHold {
             *self = Self::enter(&around.at_rest());
             return Step::of(Demand::Rest);
         }
-        let behind = self.glide.position.z + around.shift.z - around.estimate.position.z;
+        let behind = self.glide.position.z + around.handover.position.z - around.estimate.position.z;
         let rate = around.parameters.mission.rate(behind.abs());
         let limits = GlideLimits::of(&around.parameters.manual);
         let jerk = self

@@ -3,7 +3,7 @@
 
 use heapless::Vec;
 use windhover_control::TrajectorySetpoint;
-use windhover_math::{Vector3, scalar};
+use windhover_math::{Vector3, max, scalar};
 
 use super::{Around, Motion};
 use crate::trajectory::path::Joint;
@@ -11,6 +11,9 @@ use crate::trajectory::{Glide, GlideLimits, HeadingSlew, Limits, Path};
 
 /// The most places of a course.
 pub const PLACES: usize = 3;
+
+/// However slow it is told to go, m/s: each leg has an end.
+const SLOWEST: f32 = 0.1;
 
 /// A course: brakes to a stop, then from place to place, at rest at each.
 #[derive(Clone, Debug)]
@@ -68,7 +71,7 @@ impl Course {
     /// The next step.
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> TrajectorySetpoint {
         let p = &around.parameters.mission;
-        let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
+        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
         let rate = p.rate(behind);
         self.heading.step(
             self.heading_target,
@@ -89,7 +92,7 @@ impl Course {
             && let Some(place) = self.places.pop()
         {
             let limits = Limits {
-                speed: self.speed.unwrap_or(p.cruise_speed),
+                speed: max(self.speed.unwrap_or(p.cruise_speed), SLOWEST),
                 climb: if around.landed {
                     p.takeoff_speed
                 } else {

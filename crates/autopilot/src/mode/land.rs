@@ -60,6 +60,6 @@ fn speed<S: ?Sized>(around: &Around<'_, S>) -> f32 {
 
 /// Whether something holds the vehicle while its setpoint goes on down: the ground, as a rule.
 pub(super) fn has_contact<S: ?Sized>(down: f32, around: &Around<'_, S>) -> bool {
-    let below = down + around.shift.z - around.estimate.position.z;
+    let below = down + around.handover.position.z - around.estimate.position.z;
     below > CONTACT_DEPTH && around.estimate.velocity.z.abs() < STILL
 }

@@ -1,7 +1,7 @@
 //! Mission: brakes from whatever motion there was, then flies the stored items; a mission that was
 //! interrupted goes on at the leg or the stop that was not finished.
 
-use windhover_math::Vector3;
+use windhover_math::{Vector3, min};
 
 use super::course::Course;
 use super::{Around, Demand, Mode, Motion, Step};
@@ -16,10 +16,19 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// From the present motion on.
-    pub fn enter(motion: &Motion) -> Self {
+    /// From the present motion on. From the ground, a mission that goes on does so at the height of its
+    /// leg: nothing is dragged along.
+    pub fn enter<S: ?Sized>(
+        motion: &Motion,
+        around: &Around<'_, S>,
+        interrupted: Option<&MissionExecutor>,
+    ) -> Self {
+        let from = motion.glide.position;
+        let above = interrupted
+            .filter(|_| around.landed)
+            .map(|mission| Vector3::new(from.x, from.y, min(mission.leg_end().z, from.z)));
         Self {
-            braking: Some(Course::new(motion, &[])),
+            braking: Some(Course::new(motion, above.as_slice())),
         }
     }
 
@@ -34,7 +43,7 @@ impl Mission {
         step: &mut Step,
     ) {
         let Some(surroundings) = surroundings(around) else {
-            *step = Step::rest();
+            *step = self.stay(around);
             return;
         };
         if let Some(course) = &mut self.braking {
@@ -51,16 +60,17 @@ impl Mission {
                 course.position(),
                 setpoint.heading,
             );
+            if mission.is_none() {
+                *step = self.stay(around);
+                return;
+            }
             self.braking = None;
         }
         let Some(mission) = mission else {
-            *step = Step {
-                next: Some(Mode::Hold),
-                ..Step::rest()
-            };
+            *step = self.stay(around);
             return;
         };
-        let waits = mission.waits_on_ground();
+        let waits = around.landed && mission.waits_on_ground();
         let setpoint = mission.step(&surroundings, around.dt, events);
         if waits {
             // The first step plans; the vehicle stands meanwhile.
@@ -71,6 +81,20 @@ impl Mission {
         step.next = mission.outcome();
         step.contact = false;
         step.leg_end = Some(mission.leg_end());
+    }
+
+    /// There is nothing to fly to: stays where it is, and hold goes on with that.
+    fn stay<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
+        let demand = if around.landed {
+            Demand::Rest
+        } else {
+            let rest = Course::new(&around.at_rest(), &[]);
+            Demand::Follow(self.braking.get_or_insert(rest).step(around))
+        };
+        Step {
+            next: Some(Mode::Hold),
+            ..Step::of(demand)
+        }
     }
 }
 
@@ -83,7 +107,7 @@ fn surroundings<'a, S: MissionSource + ?Sized>(around: &Around<'a, S>) -> Option
         parameters: &around.parameters.mission,
         estimate: MissionEstimate {
             position: around.estimate.position,
-            shift: around.shift,
+            shift: around.handover.position,
             velocity: around.estimate.velocity,
             landed: around.landed,
         },

@@ -22,9 +22,10 @@ mod tilt;
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{Quaternion, Vector3};
+use windhover_math::{Quaternion, Vector3, wrap_pi};
 
 use crate::estimation::Estimate;
+use crate::estimation::handover::Handover;
 use crate::fence::Rally;
 use crate::mission::action::{Altitude, Place};
 use crate::mission::route::Stored;
@@ -106,9 +107,9 @@ pub struct Around<'a, S: ?Sized> {
     pub parameters: &'a Parameters,
     /// What is believed of the vehicle.
     pub estimate: &'a Estimate,
-    /// How far control leads the vehicle from the setpoint meanwhile, NED, m: not 0 after a step of
-    /// the estimate (see [`crate::estimation::handover`]).
-    pub shift: Vector3,
+    /// How far control leads the vehicle from the setpoint meanwhile: not at all, but after a step of
+    /// the estimate.
+    pub handover: &'a Handover,
     /// Acceleration that the rotors give over what the parameters say.
     pub thrust_scale: f32,
     /// The local frame, once there is one.
@@ -136,7 +137,7 @@ pub struct Around<'a, S: ?Sized> {
 impl<S: ?Sized> Around<'_, S> {
     /// The motion of a vehicle that stands where it is believed to stand.
     pub fn at_rest(&self) -> Motion {
-        Motion::at_rest(self.estimate)
+        Motion::at_rest(self.estimate, self.handover)
     }
 
     /// How far down an altitude is, m from the origin.
@@ -184,26 +185,26 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Standing at the estimate, upright.
-    pub fn at_rest(estimate: &Estimate) -> Self {
-        let heading = estimate.attitude.heading();
+    /// Standing at the estimate, upright: where control would lead it from there is taken off.
+    pub fn at_rest(estimate: &Estimate, handover: &Handover) -> Self {
+        let heading = wrap_pi(estimate.attitude.heading() - handover.heading);
         Self {
-            glide: Glide::at(estimate.position),
+            glide: Glide::at(estimate.position - handover.position),
             heading: HeadingSlew { heading, rate: 0.0 },
             attitude: Quaternion::from_heading(heading),
         }
     }
 
-    /// Moving as the estimate does.
-    pub fn of(estimate: &Estimate) -> Self {
-        let heading = estimate.attitude.heading();
+    /// Moving as the estimate does, and as control sees that.
+    pub fn of(estimate: &Estimate, handover: &Handover) -> Self {
+        let rest = Self::at_rest(estimate, handover);
         Self {
             glide: Glide {
-                velocity: estimate.velocity,
-                ..Glide::at(estimate.position)
+                velocity: estimate.velocity - handover.velocity,
+                ..rest.glide
             },
-            heading: HeadingSlew { heading, rate: 0.0 },
             attitude: estimate.attitude,
+            ..rest
         }
     }
 }
@@ -325,7 +326,6 @@ impl Modes {
     /// The next start of a mission is one from its beginning, or from `first_item`.
     pub fn forget_mission(&mut self) {
         self.mission = None;
-        self.reenter();
     }
 
     /// The mode is entered anew at the next step, from the motion there is.
@@ -337,7 +337,6 @@ impl Modes {
     pub fn rest(&mut self) {
         *self = Self {
             first_item: self.first_item,
-            takeoff: self.takeoff,
             ..Self::default()
         };
     }
@@ -383,7 +382,7 @@ impl Modes {
         if mode == Mode::Mission && self.step.next.is_some() {
             (self.mission, self.first_item) = (None, 0);
         }
-        self.remember(around.estimate);
+        self.remember(around.estimate, around.handover);
     }
 
     /// What was commanded last.
@@ -406,7 +405,7 @@ impl Modes {
     }
 
     /// Keeps for the next mode what the step itself does not say.
-    fn remember(&mut self, estimate: &Estimate) {
+    fn remember(&mut self, estimate: &Estimate, handover: &Handover) {
         self.attitude = estimate.attitude;
         if matches!(self.step.demand, Demand::Rest | Demand::Follow(_)) {
             self.motion = None;
@@ -419,7 +418,7 @@ impl Modes {
                 heading_rate,
                 point,
             } => {
-                let mut motion = Motion::of(estimate);
+                let mut motion = Motion::of(estimate, handover);
                 motion.glide.position.z = point.position.z;
                 motion.glide.velocity.z = point.velocity.z;
                 motion.glide.acceleration.z = point.acceleration.z;
@@ -432,13 +431,15 @@ impl Modes {
             }
             Demand::Attitude(setpoint) => Some(Motion {
                 attitude: setpoint.attitude,
-                ..Motion::of(estimate)
+                ..Motion::of(estimate, handover)
             }),
         };
     }
 
     fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
         let motion = self.commanded().unwrap_or_else(|| around.at_rest());
+        // For this mode, or for none: no later hold goes there.
+        let target = self.target.take();
         match mode {
             Mode::Stabilize => Active::Stabilize(stabilize::Stabilize::enter(&motion)),
             Mode::Altitude => Active::Altitude(altitude::AltitudeHold::enter(&motion)),
@@ -447,11 +448,8 @@ impl Modes {
                 let (altitude, heading) = core::mem::take(&mut self.takeoff);
                 Active::Takeoff(takeoff::Takeoff::enter(&motion, around, altitude, heading))
             }
-            Mode::Hold => {
-                let target = self.target.take();
-                Active::Hold(hold::Hold::enter(&motion, around, target.as_ref()))
-            }
-            Mode::Mission => Active::Mission(mission::Mission::enter(&motion)),
+            Mode::Hold => Active::Hold(hold::Hold::enter(&motion, around, target.as_ref())),
+            Mode::Mission => Active::Mission(mission::Mission::enter(&motion, around, self.mission.as_ref())),
             Mode::Return => Active::Return(return_home::Return::enter(&motion, around)),
             Mode::Land => Active::Land(land::Land::enter(&motion)),
             Mode::Offboard => Active::Offboard(offboard::Offboard::enter(&motion)),
@@ -502,4 +500,37 @@ pub fn available(conditions: &Conditions) -> ModeSet {
         };
         set.with(mode, is)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If this failed, a mode that is entered from level flight would begin with a leap, as far as the
+    /// estimate has stepped.
+    #[test]
+    fn a_motion_begins_where_control_leads_the_vehicle() {
+        let estimate = Estimate {
+            position: Vector3::new(10.0, -20.0, -30.0),
+            velocity: Vector3::new(1.0, 2.0, -0.5),
+            attitude: Quaternion::from_heading(3.0),
+            ..Estimate::default()
+        };
+        let handover = Handover {
+            position: Vector3::new(8.0, 1.0, -2.0),
+            velocity: Vector3::new(0.3, 0.0, 0.0),
+            heading: -0.4,
+        };
+        for motion in [
+            Motion::of(&estimate, &handover),
+            Motion::at_rest(&estimate, &handover),
+        ] {
+            let heading = (motion.heading.heading, 0.0);
+            let led = handover.shifted(&motion.glide.setpoint(Vector3::zeros(), 1.0, heading));
+            assert!((led.position - estimate.position).amax() < 1e-5);
+            assert!(wrap_pi(led.heading - 3.0).abs() < 1e-5);
+        }
+        let motion = Motion::of(&estimate, &handover);
+        assert_eq!(motion.glide.velocity, Vector3::new(0.7, 2.0, -0.5));
+    }
 }

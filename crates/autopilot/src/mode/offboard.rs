@@ -97,6 +97,11 @@ impl Setpoints {
         }
     }
 
+    /// The newest, however old.
+    pub fn newest(&self) -> Option<&Outside> {
+        self.newest.as_ref()
+    }
+
     /// The newest, if it is not older than `most` seconds.
     pub fn fresh(&self, most: f32) -> Option<&Outside> {
         self.newest.as_ref().filter(|_| self.age as f32 * 1e-6 <= most)
@@ -159,7 +164,7 @@ impl Offboard {
             *self = Self::enter(&around.at_rest());
             return Step::of(Demand::Rest);
         }
-        let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
+        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
         let rate = around.parameters.mission.rate(behind);
         let jerk = self.glide.step(wanted, &limits, rate, around.seconds);
         self.turn(guidance, around);

@@ -48,7 +48,7 @@ impl PositionHold {
             flat * (forward * sin + right * cos),
             down,
         );
-        let behind = scalar::norm(self.glide.position + around.shift - around.estimate.position);
+        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
         let rate = around.parameters.mission.rate(behind);
         let jerk = self.glide.step(wanted, &GlideLimits::of(p), rate, around.seconds);
         let heading = (self.heading.heading, self.heading.rate);

@@ -35,7 +35,7 @@ impl Takeoff {
     /// One step. Done when the vehicle is there, too.
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
         let setpoint = self.course.step(around);
-        let left = self.course.end().z - around.estimate.position.z - around.shift.z;
+        let left = self.course.end().z + around.handover.position.z - around.estimate.position.z;
         let done = self.course.is_done() && left.abs() < around.parameters.mission.acceptance_radius;
         Step {
             next: done.then_some(Mode::Hold),

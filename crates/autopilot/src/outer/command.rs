@@ -60,13 +60,14 @@ impl Outer {
         events: &mut MissionEvents,
     ) -> Result<(), Why> {
         match command {
-            Command::Arm => self.arm(facts, false),
-            Command::ForceArm => self.arm(facts, true),
+            Command::Arm => self.arm(source, facts, false),
+            Command::ForceArm => self.arm(source, facts, true),
             Command::Disarm => self.order(Order::Disarm, facts),
             Command::Fly(Mode::Mission) => self.start_mission(None, source, facts),
             Command::Fly(mode) => self.order(Order::Fly(*mode), facts),
             Command::Takeoff(altitude, heading) => {
-                finite(altitude_of(*altitude).or(*heading))?;
+                finite(altitude_of(*altitude))?;
+                finite(*heading)?;
                 self.order(Order::Fly(Mode::Takeoff), facts)?;
                 self.modes.takeoff = (*altitude, *heading);
                 Ok(())
@@ -96,7 +97,8 @@ impl Outer {
             .order(order, facts, &self.actions)
             .map_err(|denied| self.why(denied))?;
         if let Order::Fly(mode) = order {
-            self.modes.target = None;
+            self.ordered = true;
+            (self.modes.target, self.modes.takeoff) = (None, (None, None));
             if mode == before {
                 // Asked for again: from its beginning.
                 self.modes.reenter();
@@ -114,16 +116,32 @@ impl Outer {
             Denied::Blocked => Why::Blocked(self.blockers),
             Denied::InFlight => Why::InFlight,
             Denied::OnGround => Why::OnGround,
+            Denied::Unavailable(Mode::Descend) => Why::FailsafeOnly,
             Denied::Unavailable(mode) => Why::Blocked(self.missing(mode)),
             Denied::Failsafe(row) => Why::Failsafe(row),
         }
     }
 
     /// Arms: home is here from now on.
-    fn arm(&mut self, facts: &Facts, force: bool) -> Result<(), Why> {
+    fn arm<S: MissionSource + ?Sized>(&mut self, source: &S, facts: &Facts, force: bool) -> Result<(), Why> {
         let was = self.supervisor.phase();
         if was == Phase::Disarmed {
             self.blockers = self.find_blockers(facts.stopped);
+        }
+        let estimate = self.estimation.estimate();
+        let home = if estimate.known.position && !self.home_is_set {
+            estimate.position
+        } else {
+            self.home
+        };
+        if was == Phase::Disarmed
+            && !force
+            && self.supervisor.mode() == Mode::Mission
+            && self.blockers.is_empty()
+            && let Some(frame) = self.estimation.frame()
+        {
+            // It may have been stored, or the fence, after it was chosen; and home is here only now.
+            self.plans.check_mission(source, frame, home, &self.parameters)?;
         }
         let blocked = !self.blockers.is_empty();
         let order = if force {
@@ -135,9 +153,7 @@ impl Outer {
         if was == Phase::Disarmed {
             self.stand();
             self.watch.restart();
-            if self.estimation.estimate().known.position && !self.home_is_set {
-                self.home = self.estimation.estimate().position;
-            }
+            self.home = home;
         }
         Ok(())
     }
@@ -167,7 +183,10 @@ impl Outer {
             return Err(Why::NotANumber);
         }
         self.order(Order::Fly(Mode::Hold), facts)?;
-        self.modes.target = Some(*target);
+        self.modes.target = Some(Target {
+            speed: target.speed.filter(|speed| *speed > 0.0),
+            ..*target
+        });
         Ok(())
     }
 
@@ -191,6 +210,7 @@ impl Outer {
             self.order(Order::Fly(Mode::Mission), facts)?;
             self.modes.first_item = first;
             self.modes.forget_mission();
+            self.modes.reenter();
             return Ok(());
         }
         self.order(Order::Fly(Mode::Mission), facts)
@@ -234,9 +254,9 @@ impl Outer {
         commit: &crate::queue::MissionCommit,
         source: &S,
     ) -> Result<(), Why> {
-        let flown = kind == PlanKind::Mission && self.modes.mission().is_some();
-        if flown && self.supervisor.phase() != Phase::Disarmed {
-            if self.supervisor.mode() == Mode::Mission {
+        if kind == PlanKind::Mission && self.supervisor.phase() != Phase::Disarmed {
+            let mode = self.supervisor.mode();
+            if mode == Mode::Mission || self.supervisor.interrupted() == Some(Mode::Mission) {
                 return Err(Why::InFlight);
             }
             // What was interrupted is not there any more.
@@ -277,8 +297,14 @@ impl Outer {
                 Blocker::CompassUncalibrated,
                 needs.position && uncalibrated(p.calibration.compass_id),
             )
-            .with(Blocker::CompassFault, needs.position && self.estimation.is_compass_lost())
-            .with(Blocker::BarometerFault, needs.height && self.estimation.is_barometer_lost())
+            .with(
+                Blocker::CompassFault,
+                needs.position && self.estimation.is_compass_lost(),
+            )
+            .with(
+                Blocker::BarometerFault,
+                needs.height && self.estimation.is_barometer_lost(),
+            )
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
             .with(Blocker::RcLost, self.remote.is_lost())
@@ -314,7 +340,7 @@ impl Outer {
             .with(Blocker::PositionUnknown, needs.position && !position)
             .with(
                 Blocker::NoMission,
-                mode == Mode::Mission && self.plans.mission.is_none(),
+                mode == Mode::Mission && !(self.plans.mission.is_some() && self.estimation.frame().is_some()),
             )
             .with(Blocker::NoSetpoint, mode == Mode::Offboard && setpoint)
             .with(
@@ -323,9 +349,9 @@ impl Outer {
             )
     }
 
-    /// What a mode relies on.
+    /// What a mode relies on; offboard, what the last setpoint did, also when it has grown old.
     pub(super) fn needs(&self, mode: Mode) -> Needs {
-        let needs_position = !matches!(self.fresh_setpoint(), Some(crate::mode::Outside::Attitude(_)));
+        let needs_position = !matches!(self.setpoints.newest(), Some(crate::mode::Outside::Attitude(_)));
         Needs::of(mode, needs_position)
     }
 }

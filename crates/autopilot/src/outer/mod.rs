@@ -14,7 +14,7 @@ use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::PositionController;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{GRAVITY, Vector3, sqrt};
+use windhover_math::{GRAVITY, Vector3, min, sqrt};
 
 use crate::battery::Battery;
 use crate::blocker::Blockers;
@@ -57,8 +57,12 @@ pub struct Outer {
     home_is_set: bool,
     /// How long an armed vehicle stands on the ground, s.
     on_ground: f32,
+    /// Whether the motors idled at the last step.
+    idles: bool,
     /// What the mode gave at the last step.
     next: Option<Mode>,
+    /// Whether a mode was ordered in this step.
+    ordered: bool,
     contact: bool,
     blockers: Blockers,
     remote: Remote,
@@ -96,7 +100,9 @@ impl Outer {
             home: Vector3::zeros(),
             home_is_set: false,
             on_ground: 0.0,
+            idles: true,
             next: None,
+            ordered: false,
             contact: false,
             blockers: Blockers::default(),
             remote: Remote::default(),
@@ -190,11 +196,13 @@ impl Outer {
         let step = self.modes.last();
         self.next = step.next;
         self.contact = step.contact;
-        result.motors = self.motors(&step.demand);
+        let rests = step.demand == Demand::Rest;
+        self.count_idling(rests);
+        result.motors = self.motors(rests);
         result.setpoint = self.control(snapshot, dt);
         self.cos_tilt = result.setpoint.attitude.cos_tilt();
         result.tick = snapshot.tick;
-        self.tell(result);
+        self.tell(snapshot, result);
     }
 
     /// Time since the last snapshot, µs.
@@ -260,7 +268,7 @@ impl Outer {
             height: known.height,
             position: self.is_position_known(),
             sticks: self.remote.sticks().is_some(),
-            mission: self.plans.mission.is_some(),
+            mission: self.plans.mission.is_some() && self.estimation.frame().is_some(),
             setpoint: self
                 .fresh_setpoint()
                 .map(|setpoint| !matches!(setpoint, Outside::Attitude(_))),
@@ -293,20 +301,46 @@ impl Outer {
         } else {
             p.disarm_ground
         };
-        let rising = self.look(snapshot);
-        let facts = Facts {
+        let available = available(&self.conditions());
+        let lost = armed && !available.contains(self.supervisor.mode());
+        let rising = self.look(snapshot, lost);
+        let mut facts = Facts {
             stopped: snapshot.stopped.is_some() || self.switches.kill,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
-            available: available(&self.conditions()),
+            available,
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
             rising,
         };
         let report = &mut result.report;
+        self.ordered = false;
         self.commands(snapshot, source, &facts, &mut report.events, &mut report.refusals);
+        if self.ordered {
+            // What the operator has just chosen stays, whatever was to follow what flew until now.
+            facts.next = None;
+        }
+        if !armed && self.supervisor.phase() != Phase::Disarmed {
+            // What was wrong before the vehicle was armed is not what is wrong with this flight.
+            facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
+            facts.rising = RowSet::default();
+        }
         self.supervisor.step(&facts, &self.actions);
         self.follow(phase, facts.stopped, &mut report.events);
+    }
+
+    /// A vehicle that begins to lift has its time to do so before it is disarmed for standing there.
+    fn count_idling(&mut self, idles: bool) {
+        if self.idles && !idles {
+            let armed = self.supervisor.phase() == Phase::Armed;
+            let spool_up = if armed {
+                self.parameters.safety.spool_up
+            } else {
+                0.0
+            };
+            self.on_ground = min(self.on_ground, spool_up);
+        }
+        self.idles = idles;
     }
 
     /// What a change of phase brings along.
@@ -327,13 +361,18 @@ impl Outer {
         }
     }
 
-    /// Looks at what is watched, when it is time; the rows that have become active.
-    fn look(&mut self, snapshot: &Snapshot) -> RowSet {
-        if !self.watch.step(snapshot, self.cos_tilt) {
+    /// Looks at what is watched, when it is time; the rows that have become active. A mode that has
+    /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
+    /// would not see it any more.
+    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> RowSet {
+        let due = self.watch.step(snapshot, self.cos_tilt);
+        if !due && !lost {
             return RowSet::default();
         }
-        self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
-        if self.looks == 0 {
+        if due {
+            self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
+        }
+        if due && self.looks == 0 {
             self.look_around();
         }
         let interrupted = self.supervisor.interrupted();
@@ -400,7 +439,7 @@ impl Outer {
         let around = Around {
             parameters: &self.parameters,
             estimate: self.estimation.estimate(),
-            shift: self.estimation.handover().position,
+            handover: self.estimation.handover(),
             thrust_scale: self.thrust_scale.scale(),
             frame: self.estimation.frame(),
             home: self.home,
@@ -416,11 +455,11 @@ impl Outer {
         self.modes.step(self.supervisor.mode(), &around, events);
     }
 
-    fn motors(&self, demand: &Demand) -> MotorState {
+    fn motors(&self, rests: bool) -> MotorState {
         match self.supervisor.phase() {
             Phase::Disarmed => MotorState::Disarmed,
             Phase::Flying => MotorState::Run,
-            Phase::Armed | Phase::Landed if *demand == Demand::Rest => MotorState::Idle,
+            Phase::Armed | Phase::Landed if rests => MotorState::Idle,
             Phase::Armed | Phase::Landed => MotorState::Run,
         }
     }
@@ -451,7 +490,7 @@ impl Outer {
     }
 
     /// Writes what follows from the state after the step.
-    fn tell(&mut self, result: &mut OuterResult) {
+    fn tell(&mut self, snapshot: &Snapshot, result: &mut OuterResult) {
         let step = self.modes.last();
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
@@ -461,7 +500,7 @@ impl Outer {
         report.phase = self.supervisor.phase();
         report.mode = self.supervisor.mode();
         report.failsafe = self.supervisor.acting();
-        report.active = self.watch.active();
+        report.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
         report.blockers = self.blockers;
         report.estimate = *estimate;
         report.origin = self.estimation.frame().map(LocalFrame::origin);

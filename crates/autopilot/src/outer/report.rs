@@ -133,6 +133,8 @@ pub enum Why {
     Fence(u16, FenceRefusal),
     /// A number is none, or the place is not known.
     NotANumber,
+    /// Only failsafes choose this mode.
+    FailsafeOnly,
 }
 
 impl core::fmt::Display for Why {
@@ -150,6 +152,7 @@ impl core::fmt::Display for Why {
             Self::Failsafe(row) => write!(f, "failsafe: {}", row.watched().text),
             Self::Mission(index, refusal) => write!(f, "mission item {}, {refusal}", index + 1),
             Self::Fence(index, refusal) => write!(f, "fence item {}, {refusal}", index + 1),
+            Self::FailsafeOnly => f.write_str("this mode is left to failsafes"),
             Self::NotANumber => f.write_str("a value is not a number, or the place is not known"),
         }
     }

@@ -101,13 +101,12 @@ fn done(mode: Mode) -> &'static [Mode] {
     }
 }
 
+/// What each order was answered.
+type Answers = Vec<(Order, Result<(), Denied>)>;
+
 /// What some events make of a situation: the situation after, the facts of the step, and what each
 /// order was answered.
-fn apply(
-    from: &Situation,
-    events: &[Event],
-    actions: &Actions,
-) -> (Situation, Facts, Vec<(Order, Result<(), Denied>)>) {
+fn apply(from: &Situation, events: &[Event], actions: &Actions) -> (Situation, Facts, Answers) {
     let mut to = *from;
     let mut facts = Facts::default();
     if let Some(acting) = from.supervisor.acting

@@ -155,7 +155,14 @@ impl Supervisor {
     /// One step, by the rules above.
     pub fn step(&mut self, facts: &Facts, actions: &Actions) {
         if facts.stopped {
+            let named = if self.phase == Phase::Disarmed {
+                self.acting
+            } else {
+                facts.active.contains(Row::ImuMissing).then_some(Row::ImuMissing)
+            };
             self.disarm();
+            // It is named, though nothing is left to be done.
+            self.acting = named;
         }
         if self.phase == Phase::Disarmed {
             return;
@@ -296,6 +303,9 @@ impl Supervisor {
 
     fn fly(&mut self, mode: Mode, facts: &Facts, actions: &Actions) -> Result<(), Denied> {
         let flying = self.phase == Phase::Flying;
+        if facts.stopped {
+            return Err(Denied::Stopped);
+        }
         if let Some(row) = self.acting
             && actions.of(row) >= Action::Hold
             && self.phase != Phase::Disarmed

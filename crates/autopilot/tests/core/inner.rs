@@ -3,8 +3,8 @@
 
 use windhover_autopilot::sensing::{ACCEL_SCALE, GYRO_SCALE};
 use windhover_autopilot::{
-    Estimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, InnerParameters, Mailboxes, MotorCommand,
-    MotorState, OuterReport, OuterResult, Parameters, Phase, Stop, Urgent,
+    Imu, ImuCounts, Inner, InnerConfig, InnerInput, InnerParameters, Mailboxes, MotorCommand, MotorState,
+    OuterReport, OuterResult, Parameters, Stop, Urgent,
 };
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{GRAVITY, Quaternion, Vector3, scalar};
@@ -91,19 +91,7 @@ fn result(tick: u32, motors: MotorState) -> OuterResult {
             thrust: 6.4,
         },
         parameters: None,
-        report: OuterReport {
-            phase: Phase::Disarmed,
-            estimate: Estimate::default(),
-            sensors: Default::default(),
-            handover: Default::default(),
-            origin: None,
-            trajectory: None,
-            leg_end: None,
-            disturbance: Vector3::zeros(),
-            thrust_scale: 1.0,
-            events: Default::default(),
-            refusals: Default::default(),
-        },
+        report: OuterReport::default(),
     }
 }
 

@@ -36,6 +36,7 @@ fn fly(
     let around = |position, velocity| Surroundings {
         source: items,
         frame: &frame,
+        home: Vector3::zeros(),
         parameters,
         estimate: MissionEstimate {
             position,
@@ -45,7 +46,7 @@ fn fly(
         },
     };
     let mut at = (START, Vector3::zeros());
-    let mut executor = MissionExecutor::start(stored, &around(at.0, at.1), 0.0).unwrap();
+    let mut executor = MissionExecutor::start(stored, &around(at.0, at.1), 0, at.0, 0.0).unwrap();
     let mut flown = Flown::new();
     for step in 0..(seconds / DT) as u32 {
         let mut events = MissionEvents::new();

@@ -2,10 +2,17 @@
 
 mod action;
 mod check;
+mod flight;
 mod inner;
 mod inner_motion;
 mod lag;
 mod outer;
+mod outer_arming;
+mod outer_blockers;
+mod outer_bumpless;
+mod outer_commands;
+mod outer_interrupted;
+mod outer_modes;
 mod walk;
 mod walk_random;
 

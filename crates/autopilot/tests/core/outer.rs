@@ -1,9 +1,11 @@
 //! The outer step alone: commands, parameter writes, and the estimate between two words from
 //! outside.
 
+use windhover_autopilot::mission::{PlanKind, Reason};
 use windhover_autopilot::{
-    Blocker, Command, ExternalEstimate, Increments, MissionCommit, MotorState, Outer, OuterConfig,
-    OuterInputs, OuterResult, ParameterWrite, Parameters, Phase, Refused, Snapshot, Stop, Urgent,
+    Blocker, Blockers, Command, ExternalEstimate, Increments, MissionCommit, Mode, MotorState, Outer,
+    OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, Phase, Refused, Row, Snapshot, Stop,
+    Urgent, Why,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
@@ -32,6 +34,9 @@ struct Desk {
     thrust: f32,
     /// Attitude from outside.
     attitude: Quaternion,
+    /// What an offboard computer sends with every step.
+    setpoint: Option<TrajectorySetpoint>,
+    tilt: Option<AttitudeSetpoint>,
 }
 
 fn at_home() -> OuterConfig {
@@ -53,6 +58,8 @@ impl Desk {
             shortfall: 0.0,
             thrust: 0.0,
             attitude: Quaternion::IDENTITY,
+            setpoint: None,
+            tilt: None,
         }
     }
 
@@ -60,9 +67,10 @@ impl Desk {
     fn aligned() -> Self {
         let mut desk = Self::new();
         desk.estimate = None;
-        for _ in 0..1300 {
-            desk.step();
+        for name in ["CAL_GYRO0_ID", "CAL_ACC0_ID"] {
+            desk.write(name, 1.0);
         }
+        desk.steps(1300);
         desk
     }
 
@@ -74,6 +82,8 @@ impl Desk {
                 ..at(position)
             });
         }
+        inputs.setpoint.extend(self.setpoint);
+        inputs.attitude.extend(self.tilt);
         let snapshot = Snapshot {
             tick: self.tick,
             time: u64::from(self.tick) * 1000,
@@ -90,6 +100,19 @@ impl Desk {
         };
         self.tick += 4;
         self.outer.step(&snapshot, MISSION().as_slice())
+    }
+
+    fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            self.step();
+        }
+    }
+
+    /// Armed, and the motors have idled for long enough.
+    fn armed(mut self) -> Self {
+        assert!(self.command(Command::Arm).report.refusals.is_empty());
+        self.steps(260);
+        self
     }
 
     fn command(&mut self, command: Command) -> OuterResult {
@@ -110,15 +133,20 @@ impl Desk {
     fn flying() -> Self {
         let mut desk = Self::new();
         desk.step();
-        desk.command(Command::Arm);
+        let mut desk = desk.armed();
         let setpoint = TrajectorySetpoint::at_rest(Vector3::new(0.2, 0.1, -5.0), 0.0);
-        desk.inputs.setpoint.push(setpoint).unwrap();
-        let result = desk.command(Command::StartOffboard);
-        assert_eq!(result.report.phase, Phase::Offboard);
+        desk.setpoint = Some(setpoint);
+        assert!(
+            desk.command(Command::Fly(Mode::Offboard))
+                .report
+                .refusals
+                .is_empty()
+        );
         desk.estimate = Some(Vector3::new(0.0, 0.0, -5.0));
-        for _ in 0..20 {
-            desk.step();
-        }
+        desk.thrust = desk.outer.parameters().vehicle.mass * GRAVITY;
+        desk.steps(20);
+        let report = desk.step().report;
+        assert_eq!((report.phase, report.mode), (Phase::Flying, Mode::Offboard));
         desk
     }
 }
@@ -132,12 +160,15 @@ fn at(position: Vector3) -> ExternalEstimate {
 }
 
 fn commit(count: u16) -> Command {
-    Command::CommitMission(MissionCommit {
-        slot: 0,
-        count,
-        crc: 0,
-    })
+    let crc = 0;
+    Command::Commit(PlanKind::Mission, MissionCommit { slot: 0, count, crc })
 }
+
+fn blocked(command: Command, blocker: Blocker) -> Refused {
+    Refused::Command(command, Why::Blocked(Blockers::of(blocker)))
+}
+
+const MISSION_MODE: Command = Command::Fly(Mode::Mission);
 
 /// The whole way from nothing to a mission, and the motors with it.
 #[test]
@@ -150,23 +181,39 @@ fn phases_and_motors_go_together() {
         (Phase::Armed, MotorState::Idle)
     );
     assert_eq!(phase(desk.command(commit(2))), (Phase::Armed, MotorState::Idle));
-    desk.command(Command::StartMission);
-    assert_eq!(phase(desk.step()), (Phase::Mission, MotorState::Run));
-    // Arming again changes nothing.
+    // The rotors get their time to start in.
     assert_eq!(
-        phase(desk.command(Command::Arm)),
-        (Phase::Mission, MotorState::Run)
+        phase(desk.command(MISSION_MODE)),
+        (Phase::Armed, MotorState::Idle)
     );
+    desk.steps(240);
+    assert_eq!(phase(desk.step()), (Phase::Armed, MotorState::Idle));
+    desk.steps(10);
+    let result = desk.step();
+    assert_eq!(result.report.mode, Mode::Mission);
+    assert_eq!(phase(result), (Phase::Armed, MotorState::Run));
+    // Arming again changes nothing.
+    assert_eq!(phase(desk.command(Command::Arm)), (Phase::Armed, MotorState::Run));
     // Still on the ground: disarming is allowed.
     assert_eq!(
         phase(desk.command(Command::Disarm)),
         (Phase::Disarmed, MotorState::Disarmed)
     );
-    let result = desk.command(Command::StartMission);
-    assert_eq!(
-        result.report.refusals[..],
-        [Refused::Command(Command::StartMission, Blocker::NotArmed)]
-    );
+    // A disarmed vehicle takes note of the mode, and no motor turns.
+    let result = desk.command(MISSION_MODE);
+    assert!(result.report.refusals.is_empty());
+    assert_eq!(phase(result), (Phase::Disarmed, MotorState::Disarmed));
+    desk.steps(300);
+    assert_eq!(phase(desk.step()), (Phase::Disarmed, MotorState::Disarmed));
+    desk.command(Command::Arm);
+    desk.steps(260);
+    desk.estimate = Some(Vector3::new(0.0, 0.0, -1.0));
+    assert_eq!(phase(desk.step()), (Phase::Flying, MotorState::Run));
+    // And in the air it is not.
+    let result = desk.command(Command::Disarm);
+    let refused = Refused::Command(Command::Disarm, Why::InFlight);
+    assert_eq!(result.report.refusals[..], [refused]);
+    assert_eq!(phase(result), (Phase::Flying, MotorState::Run));
 }
 
 /// A mission that is not flown takes the place of none.
@@ -178,12 +225,13 @@ fn a_commit_that_is_refused_leaves_no_mission() {
     assert!(desk.command(commit(2)).report.refusals.is_empty());
     let torn = commit(3);
     let refused = desk.command(torn).report.refusals;
-    assert_eq!(refused[..], [Refused::Command(torn, Blocker::NoMission)]);
-    let result = desk.command(Command::StartMission);
-    assert_eq!(
-        result.report.refusals[..],
-        [Refused::Command(Command::StartMission, Blocker::NoMission)]
-    );
+    let [Refused::Command(command, Why::Mission(2, refusal))] = refused[..] else {
+        panic!("{refused:?}");
+    };
+    assert_eq!((command, refusal.reason), (torn, Reason::Missing));
+    let result = desk.command(MISSION_MODE);
+    let no_mission = blocked(MISSION_MODE, Blocker::NoMission);
+    assert_eq!(result.report.refusals[..], [no_mission]);
     assert_eq!(result.motors, MotorState::Idle);
 }
 
@@ -204,7 +252,7 @@ fn a_stop_disarms() {
         );
         assert_eq!(
             result.report.refusals[..],
-            [Refused::Command(Command::Arm, Blocker::Stopped)]
+            [blocked(Command::Arm, Blocker::Stopped)]
         );
         desk.stopped = None;
         assert_eq!(desk.step().motors, MotorState::Disarmed, "{stop:?}");
@@ -233,14 +281,26 @@ fn the_estimate_is_carried_on_and_then_given_up() {
         windhover_math::sqrt(down.x * down.x + down.y * down.y)
     };
     assert!(tilt(&result) > 0.01, "it still steers");
-    for _ in 0..30 {
+    while result.report.mode != Mode::Descend {
+        assert!(desk.tick < 4000, "still {:?}", result.report.mode);
         result = desk.step();
     }
-    assert!(tilt(&result) < 1e-6, "level");
     let weight = desk.outer.parameters().vehicle.mass * GRAVITY;
     assert!(result.setpoint.thrust < weight && result.setpoint.thrust > 0.8 * weight);
+    desk.steps(200);
+    assert!(tilt(&desk.step()) < 1e-3, "level");
+    // Once it has been known again for two seconds; nobody can have it sooner.
+    const OFFBOARD: Command = Command::Fly(Mode::Offboard);
     desk.estimate = Some(Vector3::new(0.0, 0.0, -5.0));
-    assert!(tilt(&desk.step()) > 0.01, "and steers again");
+    desk.steps(490);
+    let result = desk.command(OFFBOARD);
+    let refused = Refused::Command(OFFBOARD, Why::Failsafe(Row::PositionLost));
+    assert_eq!(result.report.refusals[..], [refused]);
+    assert_eq!(result.report.mode, Mode::Descend);
+    desk.steps(30);
+    let result = desk.step();
+    assert_eq!(result.report.mode, Mode::Offboard);
+    assert!(tilt(&result) > 0.01, "and steers again");
 }
 
 /// Gains that are written in flight act, but do not make demand jump.
@@ -301,10 +361,10 @@ fn a_thrust_that_is_not_there_does_not_wind_up() {
         let mut desk = if ground { Desk::new() } else { Desk::flying() };
         if ground {
             desk.step();
-            desk.command(Command::Arm);
+            desk = desk.armed();
             let above = TrajectorySetpoint::at_rest(Vector3::new(0.0, 0.0, -0.2), 0.0);
-            desk.inputs.setpoint.push(above).unwrap();
-            desk.command(Command::StartOffboard);
+            desk.setpoint = Some(above);
+            desk.command(Command::Fly(Mode::Offboard));
         } else {
             desk.estimate = Some(Vector3::new(0.2, 0.1, -4.8));
         }
@@ -388,56 +448,70 @@ fn tilted(thrust: f32) -> AttitudeSetpoint {
     }
 }
 
-/// Without a position there is one way to fly, and only that one. The attitude must be known: from
-/// two seconds at rest, and three of waiting for a compass that is not there.
+fn refusal(result: &OuterResult) -> Blockers {
+    match result.report.refusals[..] {
+        [Refused::Command(_, Why::Blocked(blockers))] => blockers,
+        _ => panic!("{:?}", result.report.refusals),
+    }
+}
+
+/// Without a position there is one way to fly without sticks, and only that one. The attitude must be
+/// known: from two seconds at rest, and three of waiting for a compass that is not there.
 #[test]
 fn attitude_from_outside_needs_no_position() {
+    const OFFBOARD: Command = Command::Fly(Mode::Offboard);
     let mut desk = Desk::new();
     desk.estimate = None;
-    let refused = |result: &OuterResult| result.report.refusals.first().copied();
-    desk.inputs.attitude.push(tilted(9.0)).unwrap();
-    let result = desk.command(Command::Arm);
-    assert_eq!(
-        refused(&result),
-        Some(Refused::Command(Command::Arm, Blocker::NoEstimate))
-    );
+    desk.tilt = Some(tilted(9.0));
+    assert!(refusal(&desk.command(OFFBOARD)).contains(Blocker::AttitudeUnknown));
     let mut desk = Desk::aligned();
-    let result = desk.command(Command::Arm);
-    assert_eq!(
-        refused(&result),
-        Some(Refused::Command(Command::Arm, Blocker::NoEstimate))
-    );
-    desk.inputs.attitude.push(tilted(9.0)).unwrap();
-    assert_eq!(desk.command(Command::Arm).motors, MotorState::Idle);
-    for command in [Command::StartMission, Command::StartOffboard] {
-        let result = desk.command(command);
-        assert_eq!(
-            refused(&result),
-            Some(Refused::Command(command, Blocker::NoEstimate))
-        );
+    let blockers = refusal(&desk.command(Command::Arm));
+    for blocker in [
+        Blocker::PositionUnknown,
+        Blocker::HeadingUnknown,
+        Blocker::CompassUncalibrated,
+    ] {
+        assert!(blockers.contains(blocker), "{blocker:?}");
     }
-    let result = desk.command(Command::StartAttitude);
+    assert!(!blockers.contains(Blocker::AttitudeUnknown));
+    desk.tilt = Some(tilted(9.0));
+    assert!(desk.command(OFFBOARD).report.refusals.is_empty());
+    let mut desk = desk.armed();
+    for mode in [Mode::Mission, Mode::Hold, Mode::Takeoff, Mode::Position] {
+        let result = desk.command(Command::Fly(mode));
+        assert!(refusal(&result).contains(Blocker::PositionUnknown), "{mode:?}");
+    }
+    let result = desk.step();
     assert_eq!(
-        (result.report.phase, result.motors),
-        (Phase::Attitude, MotorState::Run)
+        (result.report.mode, result.motors),
+        (Mode::Offboard, MotorState::Run)
     );
     assert_eq!(result.setpoint, tilted(9.0));
 }
 
-/// Half a second without a new attitude: level, and slowly down.
+/// Half a second without a new attitude: level, and the climb ends.
 #[test]
 fn an_attitude_from_outside_grows_old() {
     let mut desk = Desk::aligned();
-    desk.inputs.attitude.push(tilted(9.0)).unwrap();
-    desk.command(Command::Arm);
-    desk.command(Command::StartAttitude);
+    desk.tilt = Some(tilted(9.0));
+    desk.command(Command::Fly(Mode::Offboard));
+    let mut desk = desk.armed();
+    let mass = desk.outer.parameters().vehicle.mass;
+    let lift = 1.05 * GRAVITY;
+    (desk.thrust, desk.force) = (lift * mass, Vector3::new(0.0, 0.0, -lift));
+    desk.steps(400);
+    assert_eq!(desk.step().report.phase, Phase::Flying);
+    desk.tilt = None;
     let steps = (0..200)
         .take_while(|_| desk.step().setpoint == tilted(9.0))
         .count();
     assert!((120..=127).contains(&steps), "{steps} steps of 4 ms");
+    desk.steps(250);
     let result = desk.step();
+    assert_eq!(result.report.failsafe, Some(Row::OffboardLost));
+    assert_eq!(result.report.mode, Mode::Altitude, "hold, without a position");
     assert!(result.setpoint.attitude.down_axis().z > 0.999);
-    assert!(result.setpoint.thrust < 0.65 * 9.81);
+    assert!(result.setpoint.thrust < mass * GRAVITY);
     assert_eq!(result.motors, MotorState::Run);
 }
 
@@ -458,9 +532,12 @@ fn an_attitude_that_is_none_stays_outside() {
         no_number(|s| s.attitude = Quaternion::new(0.0, 0.0, 0.0, 0.0)),
     ] {
         let mut desk = Desk::new();
-        desk.estimate = None;
-        desk.inputs.attitude.push(bad).unwrap();
-        let result = desk.command(Command::Arm);
-        assert_eq!(result.motors, MotorState::Disarmed, "{bad:?}");
+        desk.step();
+        desk.inputs.attitude.push(tilted(5.0)).unwrap();
+        desk.step();
+        desk.tilt = Some(bad);
+        desk.steps(130);
+        let blockers = refusal(&desk.command(Command::Fly(Mode::Offboard)));
+        assert_eq!(blockers, Blockers::of(Blocker::NoSetpoint), "{bad:?}");
     }
 }

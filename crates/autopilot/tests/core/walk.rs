@@ -1,5 +1,6 @@
 //! Missions flown by an ideal vehicle, which is always where it should be.
 
+use windhover_autopilot::Mode;
 use windhover_autopilot::mission::action::command;
 use windhover_autopilot::mission::executor::{MissionEstimate, Surroundings};
 use windhover_autopilot::mission::route::Stored;
@@ -22,6 +23,8 @@ pub struct Walk {
     pub events: Vec<(usize, MissionEvent)>,
     /// Where it should have been, step by step.
     pub setpoints: Vec<TrajectorySetpoint>,
+    /// The mode that follows.
+    pub outcome: Option<Mode>,
 }
 
 /// Walks a mission to its end with an ideal vehicle on flat ground. Panics when there is no end.
@@ -41,11 +44,13 @@ pub fn walk(items: &[MissionItem], parameters: &MissionParameters) -> Walk {
     let around = |estimate| Surroundings {
         source: items,
         frame: &frame,
+        home: Vector3::zeros(),
         parameters,
         estimate,
     };
-    let mut executor = MissionExecutor::start(stored, &around(estimate), 0.0).expect("somewhere to go");
-    while !executor.is_finished() {
+    let mut executor = MissionExecutor::start(stored, &around(estimate), 0, estimate.position, 0.0)
+        .expect("somewhere to go");
+    while walk.outcome.is_none() {
         assert!(walk.setpoints.len() < 1_000_000, "an hour, and no end");
         let mut events = MissionEvents::new();
         let setpoint = executor.step(&around(estimate), STEP, &mut events);
@@ -60,6 +65,7 @@ pub fn walk(items: &[MissionItem], parameters: &MissionParameters) -> Walk {
             estimate.velocity.z = 0.0;
         }
         estimate.landed &= estimate.position.z > -0.3;
+        walk.outcome = executor.outcome();
     }
     walk
 }
@@ -112,7 +118,7 @@ fn events_come_in_the_order_of_the_items() {
         target: Some(local(&items, waypoint)),
         settled: true,
     };
-    use MissionEvent::{Finished, Landed, Reached};
+    use MissionEvent::{Finished, Reached};
     assert_eq!(
         walked.events(),
         [
@@ -124,31 +130,10 @@ fn events_come_in_the_order_of_the_items() {
             Reached(4),
             photo_at(6, 4),
             photo_at(7, 4),
-            Landed,
             Finished
         ]
     );
-}
-
-/// The climb of a return: not when it is high enough, nor when home is near.
-#[test]
-fn a_return_climbs_only_where_it_has_to() {
-    let parameters = MissionParameters {
-        return_altitude: 20.0,
-        ..Default::default()
-    };
-    let highest = |north: f32, height: f32| {
-        let items = [
-            waypoint(north, 0.0, height),
-            item(command::NAV_RETURN_TO_LAUNCH, [0.0; 4]),
-        ];
-        let walked = walk(&items, &parameters);
-        let heights = walked.setpoints.iter().map(|s| -s.position.z);
-        heights.fold(0.0f32, windhover_math::max)
-    };
-    assert!((highest(50.0, 10.0) - 20.0).abs() < 0.01);
-    assert!((highest(50.0, 25.0) - 25.0).abs() < 0.01);
-    assert!((highest(1.0, 10.0) - 10.0).abs() < 0.01);
+    assert_eq!(walked.outcome, Some(Mode::Return), "who brings it home");
 }
 
 /// Delays and holds take their time and no more.
@@ -225,6 +210,7 @@ fn a_mission_without_a_point_does_not_start() {
     let around = Surroundings {
         source: items,
         frame: &frame,
+        home: Vector3::zeros(),
         parameters: &parameters,
         estimate: MissionEstimate {
             position: Vector3::zeros(),
@@ -235,12 +221,15 @@ fn a_mission_without_a_point_does_not_start() {
     };
     for count in [0, 1, 5] {
         let stored = Stored { slot: 0, count };
-        assert!(MissionExecutor::start(stored, &around, 0.0).is_none(), "{count}");
+        assert!(
+            MissionExecutor::start(stored, &around, 0, Vector3::zeros(), 0.0).is_none(),
+            "{count}"
+        );
     }
 }
 
-/// Off the ground with the takeoff's speed, in the air with the climb's, down with the descent's,
-/// and to the ground with the landing's; and the ground has to hold for half a second.
+/// Off the ground with the takeoff's speed, in the air with the climb's, down with the descent's. The
+/// way down to the ground is the mode's that follows: `outer_modes`.
 #[test]
 fn each_vertical_leg_has_its_speed() {
     let parameters = MissionParameters::default();
@@ -262,8 +251,36 @@ fn each_vertical_leg_has_its_speed() {
     assert!(close(fastest(1.0, 9.0, 1.0), parameters.takeoff_speed));
     assert!(close(fastest(13.0, 24.0, 1.0), parameters.climb_speed));
     assert!(close(fastest(13.0, 24.0, -1.0), parameters.descend_speed));
-    assert!(close(fastest(1.0, 11.0, -1.0), parameters.land_speed));
-    let deep = walked.setpoints.iter().filter(|s| s.position.z > 0.5).count();
-    let seconds = deep as f32 * STEP as f32 * 1e-6;
-    assert!((0.49..0.6).contains(&seconds), "{seconds} s");
+    assert_eq!(walked.outcome, Some(Mode::Land));
+}
+
+/// A mission without an end of its own ends where its last waypoint is; one that lands at a place
+/// goes above it first. Otherwise the vehicle would come down where the mission did not say.
+#[test]
+fn the_outcome_names_the_mode_that_follows() {
+    let first = waypoint(10.0, 0.0, 10.0);
+    let ends = [
+        (None, Mode::Hold, 10.0),
+        (
+            Some(item(command::NAV_RETURN_TO_LAUNCH, [0.0; 4])),
+            Mode::Return,
+            10.0,
+        ),
+        (
+            Some(item_at(command::NAV_LAND, [0.0; 4], 25.0, 0.0, 0.0)),
+            Mode::Land,
+            25.0,
+        ),
+    ];
+    for (end, mode, north) in ends {
+        let items: Vec<MissionItem> = core::iter::once(first).chain(end).collect();
+        let walked = walk(&items, &MissionParameters::default());
+        assert_eq!(walked.outcome, Some(mode));
+        let last = walked.setpoints.last().expect("a way").position;
+        assert!(
+            (last - Vector3::new(north, 0.0, -10.0)).amax() < 0.05,
+            "{mode:?} at {last}"
+        );
+        assert_eq!(walked.events().last(), Some(&MissionEvent::Finished));
+    }
 }

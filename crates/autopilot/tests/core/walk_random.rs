@@ -2,6 +2,7 @@
 //! vehicle can follow.
 
 use proptest::prelude::*;
+use windhover_autopilot::Mode;
 use windhover_autopilot::mission::action::{Action, command};
 use windhover_autopilot::mission::route::{Cursor, Stored};
 use windhover_autopilot::mission::{MissionEvent, MissionItem, MissionParameters, check};
@@ -131,8 +132,12 @@ fn assert_events(items: &[MissionItem], walked: &Walk) -> Result<(), TestCaseErr
     let waypoints: Vec<u16> = waypoints.map(|(item, _)| *item).collect();
     prop_assert_eq!(reached.collect::<Vec<_>>(), waypoints);
     prop_assert_eq!(events.last(), Some(&MissionEvent::Finished));
-    let lands = items.last().is_some_and(|item| matches!(item.command, 20 | 21));
-    prop_assert_eq!(events.contains(&MissionEvent::Landed), lands);
+    let follows = match items.last().map(|item| item.command) {
+        Some(command::NAV_RETURN_TO_LAUNCH) => Mode::Return,
+        Some(command::NAV_LAND) => Mode::Land,
+        _ => Mode::Hold,
+    };
+    prop_assert_eq!(walked.outcome, Some(follows));
     Ok(())
 }
 

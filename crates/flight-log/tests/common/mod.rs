@@ -3,11 +3,14 @@
 // Each test uses its own part.
 #![allow(dead_code)]
 
+use windhover_autopilot::battery::BatterySample;
 use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::action::Altitude;
+use windhover_autopilot::mode::{Guidance, Target};
 use windhover_autopilot::{
     Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MissionCommit,
-    MotorCommand, Outer, OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, ScheduleRecord,
-    Urgent,
+    Mode, MotorCommand, Outer, OuterConfig, OuterInputs, OuterResult, ParameterWrite, Parameters, RcFrame,
+    ScheduleRecord, Station, Sticks, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
@@ -191,10 +194,10 @@ impl<const N: usize> Bench<N> {
         let mut mailboxes = Mailboxes::default();
         let crc = mission_crc(mission.iter().copied());
         let count = mission.len() as u16;
-        mailboxes
-            .queues
-            .command
-            .push(Command::CommitMission(MissionCommit { slot: 0, count, crc }));
+        mailboxes.queues.command.push(Command::Commit(
+            PlanKind::Mission,
+            MissionCommit { slot: 0, count, crc },
+        ));
         mailboxes.queues.command.push(Command::Arm);
         Self {
             random: Random::new(plot.seed),
@@ -257,7 +260,7 @@ impl<const N: usize> Bench<N> {
             });
         }
         if tick == rate / 2 {
-            self.mailboxes.queues.command.push(Command::StartMission);
+            self.mailboxes.queues.command.push(Command::Fly(Mode::Mission));
         }
         if self.plot.disrupted && r.below(rate / 4) == 0 {
             let index = r.below(Parameters::COUNT + 2) as u16;
@@ -275,12 +278,50 @@ impl<const N: usize> Bench<N> {
             });
             let commands = [
                 Command::Arm,
-                Command::StartOffboard,
-                Command::StartAttitude,
+                Command::ForceArm,
+                Command::Fly(Mode::Offboard),
+                Command::Fly(Mode::Takeoff),
+                Command::Takeoff(Some(Altitude::SeaLevel(490.0 + value)), Some(value)),
+                Command::GoTo(Target {
+                    speed: Some(value),
+                    ..Target::default()
+                }),
+                Command::StartMission(r.below(6) as u16),
+                Command::SetHome(None),
+                Command::TakePhoto,
                 Command::Disarm,
             ];
-            self.mailboxes.queues.command.push(commands[r.below(4)]);
+            self.mailboxes
+                .queues
+                .command
+                .push(commands[r.below(commands.len())]);
+            self.more(value);
         }
+    }
+
+    /// What else may come: a pilot, a companion computer, a battery, a ground station.
+    fn more(&mut self, value: f32) {
+        let (time, queues) = (self.time, &mut self.mailboxes.queues);
+        let throttle = (value * 0.1).clamp(-1.0, 1.0);
+        queues.sticks.push(Sticks {
+            throttle,
+            ..Sticks::default()
+        });
+        let mut channels = [1500; 16];
+        channels[2] = (1500.0 + 50.0 * value) as u16;
+        queues.rc.push(RcFrame { channels });
+        queues.guidance.push(Guidance {
+            uses: Guidance::CLIMB | Guidance::HEADING,
+            velocity: Vector3::new(0.0, 0.0, value),
+            heading: value,
+            ..Guidance::default()
+        });
+        queues.battery.push(BatterySample {
+            time,
+            voltage: (1000.0 + 50.0 * value) as u16,
+            current: 100,
+        });
+        queues.station.push(Station { system: 255 });
     }
 
     fn post(&mut self, result: OuterResult) {

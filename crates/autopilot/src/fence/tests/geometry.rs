@@ -69,7 +69,12 @@ fn neighbours_share_every_point_of_their_edges() {
         }
     }
     assert_eq!(tiled.clearance(at(4.0, 4.0)), 4.0);
-    let along_a_seam = tiled.leaves(&FenceParameters::default(), at(4.0, 1.0), at(4.0, 11.0));
+    let along_a_seam = tiled.leaves(
+        &FenceParameters::default(),
+        Vector3::zeros(),
+        at(4.0, 1.0),
+        at(4.0, 11.0),
+    );
     assert!(!along_a_seam);
 }
 
@@ -159,7 +164,7 @@ proptest! {
             let count = (windhover_math::scalar::norm(way) / 0.02) as usize + 1;
             let sample = |n: usize| fence.clearance(from + way * (n as f32 / count as f32));
             let least = (0..=count).map(sample).fold(f32::MAX, windhover_math::min);
-            if fence.leaves(&FenceParameters::default(), from, to) {
+            if fence.leaves(&FenceParameters::default(), Vector3::zeros(), from, to) {
                 prop_assert!(least < 0.03, "{}", least);
             } else {
                 prop_assert!(least > -0.02, "{}", least);
@@ -187,7 +192,7 @@ proptest! {
             let (whole, cut) = (one.clearance(from), two.clearance(from));
             prop_assert!((whole - cut).abs() < 0.03, "{} {}", whole, cut);
             let parameters = FenceParameters::default();
-            prop_assert_eq!(one.leaves(&parameters, from, to), two.leaves(&parameters, from, to));
+            prop_assert_eq!(one.leaves(&parameters, Vector3::zeros(), from, to), two.leaves(&parameters, Vector3::zeros(), from, to));
         }
     }
 }

@@ -220,14 +220,27 @@ fn the_nearest_place_to_return_to() {
         let error = windhover_math::scalar::norm(to - wanted);
         assert!(error < 0.02, "{to} {wanted}");
     };
-    near(rally.destination(at(60.0, 10.0)), Vector3::new(100.0, 0.0, -20.0));
-    near(rally.destination(at(10.0, 60.0)), Vector3::new(0.0, 100.0, -25.0));
-    near(rally.destination(at(40.0, 40.0)), Vector3::zeros());
+    near(
+        rally.destination(at(60.0, 10.0), Vector3::zeros()),
+        Vector3::new(100.0, 0.0, -20.0),
+    );
+    near(
+        rally.destination(at(10.0, 60.0), Vector3::zeros()),
+        Vector3::new(0.0, 100.0, -25.0),
+    );
+    near(
+        rally.destination(at(40.0, 40.0), Vector3::zeros()),
+        Vector3::zeros(),
+    );
     near(
         rally.nearest(at(40.0, 0.0)).unwrap().position,
         Vector3::new(100.0, 0.0, -20.0),
     );
-    assert_eq!(Rally::default().destination(at(1e3, 0.0)), Vector3::zeros());
+    let home = Vector3::new(1.0, -2.0, 3.0);
+    assert_eq!(Rally::default().destination(at(1e3, 0.0), home), home);
+    // Home is where it was put: nearer than a rally point, it is the place.
+    let home = Vector3::new(60.0, 0.0, 4.0);
+    assert_eq!(rally.destination(at(60.0, 10.0), home), home);
     assert_eq!(Rally::default().nearest(at(0.0, 0.0)), None);
 }
 

@@ -52,6 +52,7 @@ fn checked(
             count: mission.len() as u16,
         },
         frame: &frame,
+        home: Vector3::zeros(),
         parameters: &MissionParameters::default(),
     };
     check_mission(&chart, fence, &rally, parameters)

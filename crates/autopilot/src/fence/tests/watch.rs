@@ -10,7 +10,14 @@ const ACCELERATION: f32 = 5.0;
 const REACTION: f32 = 0.3;
 
 fn seen(fence: &Fence, parameters: &FenceParameters, position: Vector3, velocity: Vector3) -> Option<Breach> {
-    fence.watch(parameters, position, velocity, ACCELERATION, REACTION)
+    fence.watch(
+        parameters,
+        Vector3::zeros(),
+        position,
+        velocity,
+        ACCELERATION,
+        REACTION,
+    )
 }
 
 fn limits(distance_max: f32, altitude_max: f32) -> FenceParameters {
@@ -165,8 +172,8 @@ fn what_is_not_a_number_ends() {
     let parameters = limits(200.0, 50.0);
     for bad in [f32::NAN, f32::INFINITY, f32::MAX, -1.0, 0.0] {
         let wild = Vector3::repeat(bad);
-        let _ = field.watch(&parameters, wild, at(1.0, 0.0), bad, bad);
-        let _ = field.watch(&parameters, at(1.0, 0.0), wild, bad, bad);
+        let _ = field.watch(&parameters, Vector3::zeros(), wild, at(1.0, 0.0), bad, bad);
+        let _ = field.watch(&parameters, Vector3::zeros(), at(1.0, 0.0), wild, bad, bad);
         assert!(!field.clearance(wild).is_nan(), "{bad}");
     }
     assert!(!field.is_inside(Vector3::repeat(f32::NAN)));
