@@ -303,15 +303,21 @@ impl Outer {
         };
         let available = available(&self.conditions());
         let lost = armed && !available.contains(self.supervisor.mode());
-        let rising = self.look(snapshot, lost);
+        let looked = self.look(snapshot, lost);
+        let stopped = snapshot.stopped.is_some() || self.switches.kill;
+        let flies = phase == Phase::Flying && !self.landing.is_landed();
+        if flies && looked.is_none() && !stopped && self.next.is_none() && !self.is_commanded(snapshot) {
+            // Nothing has changed since the supervisor's last step.
+            return;
+        }
         let mut facts = Facts {
-            stopped: snapshot.stopped.is_some() || self.switches.kill,
+            stopped,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
             available,
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
-            rising,
+            rising: looked.unwrap_or_default(),
         };
         let report = &mut result.report;
         self.ordered = false;
@@ -364,10 +370,10 @@ impl Outer {
     /// Looks at what is watched, when it is time; the rows that have become active. A mode that has
     /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
     /// would not see it any more.
-    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> RowSet {
+    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> Option<RowSet> {
         let due = self.watch.step(snapshot, self.cos_tilt);
         if !due && !lost {
-            return RowSet::default();
+            return None;
         }
         if due {
             self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
@@ -398,7 +404,7 @@ impl Outer {
             setpoint_fresh: self.fresh_setpoint().is_some(),
             breach: self.breach,
         };
-        self.watch.look(&seen)
+        Some(self.watch.look(&seen))
     }
 
     /// What changes slowly: the fence, and whether the battery lasts to return.
