@@ -1,17 +1,21 @@
 //! The core and a world driven by hand: samples that stay out, results that are held back,
 //! commands at any tick.
 
-use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::PlanKind;
 use windhover_autopilot::{
-    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerInput, Mailboxes, MissionCommit, MotorCommand,
-    Outer, OuterResult, Urgent,
+    Command, ExternalEstimate, Imu, ImuCounts, Inner, InnerInput, Mailboxes, MissionCommit, Mode,
+    MotorCommand, Outer, OuterResult, Urgent,
 };
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{Truth, World, ideal_counts};
+use windhover_sim::closed_loop::Stored;
 use windhover_sim::flight::{self, Setup};
 use windhover_sim::mission_file::MissionFile;
 
 use crate::trace::Step;
+
+/// Armed for so long, the motors have spooled up, s.
+pub const SPOOL_UP: f64 = 1.1;
 
 /// A vehicle on the test bench.
 pub struct Bench {
@@ -35,7 +39,7 @@ pub struct Bench {
     pub motors: Vec<MotorCommand>,
     /// Every outer step so far.
     pub steps: Vec<Step>,
-    mission: Vec<MissionItem>,
+    stored: Stored,
     held_back: Option<OuterResult>,
     period_us: u64,
     time_us: u64,
@@ -56,31 +60,32 @@ impl Bench {
             estimate_alive: true,
             motors: Vec::new(),
             steps: Vec::new(),
-            mission: mission.items.clone(),
+            stored: mission.stored(),
             held_back: None,
             period_us: 1_000_000 / u64::from(setup.imu_rate),
             time_us: 0,
         }
     }
 
-    /// Commits the mission, arms and starts it, and flies it for so many seconds.
+    /// Commits the mission, arms, starts it when the motors have spooled up, and flies it for so many seconds.
     pub fn in_mission(setup: &Setup, mission: &MissionFile, seconds: f64) -> Self {
         let mut bench = Self::new(setup, mission);
         bench.command(bench.commit());
         bench.command(Command::Arm);
-        bench.run(0.1);
-        bench.command(Command::StartMission);
+        bench.run(SPOOL_UP);
+        bench.command(Command::Fly(Mode::Mission));
         bench.run(seconds);
         bench
     }
 
     /// The commit of the stored mission.
     pub fn commit(&self) -> Command {
-        Command::CommitMission(MissionCommit {
+        let commit = MissionCommit {
             slot: 0,
-            count: self.mission.len() as u16,
+            count: self.stored.mission.len() as u16,
             crc: 0,
-        })
+        };
+        Command::Commit(PlanKind::Mission, commit)
     }
 
     /// Puts a command into its queue.
@@ -128,7 +133,7 @@ impl Bench {
         }
         let output = self.inner.tick(&input, &mut self.mailboxes);
         if let Some(snapshot) = self.mailboxes.snapshot.take() {
-            let result = self.outer.step(&snapshot, self.mission.as_slice());
+            let result = self.outer.step(&snapshot, &self.stored.plans());
             self.steps.push(Step::new(&truth, &result));
             self.mailboxes.result = Some(result);
         }

@@ -3,10 +3,12 @@
 //! - [`plan`]: missions written in metres from home; [`trace`]: what a flight did, step by step.
 //! - [`random`]: flights with everything drawn at random.
 //! - [`shaken`]: the core on an inertial sensor that rotors shake.
+//! - [`failsafe`]: flights in which something goes wrong.
 //! - [`mod@bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
 pub mod bench;
+pub mod failsafe;
 pub mod plan;
 pub mod random;
 pub mod shaken;
@@ -83,7 +85,7 @@ pub fn monitoring() -> MissionFile {
 pub fn logged(setup: &Setup, mission: &MissionFile) -> (Flight, Vec<u8>) {
     let loaded = flight::closed_loop(setup, mission).expect("a flight that starts");
     let (parameters, home) = (*loaded.outer().parameters(), flight::home(mission));
-    let mut log = FlightLog::new(setup, &parameters, home, &mission.items, &[]);
+    let mut log = FlightLog::new(setup, &parameters, home, &mission.stored(), &[]);
     let mut flown = flight::fly(setup, mission, &mut log, &mut |_| {}).expect("a flight that starts");
     flown.figures.log_bytes_per_s = log.rate(flown.simulated);
     let bytes = log.finish(&[], &flown.events);
@@ -110,7 +112,7 @@ pub fn traced(setup: &Setup, mission: &MissionFile) -> (Flight, Trace) {
 /// A core that is as new gives the recorded motor commands again.
 pub fn replay(setup: &Setup, mission: &MissionFile, recording: &Recording) {
     let outer = setup.outer(flight::home(mission)).expect("a vehicle that flies");
-    let replayed = recording.replay(setup.inner_config(), outer, &mission.items);
+    let replayed = recording.replay(setup.inner_config(), outer, &mission.stored());
     assert_eq!(replayed, Ok(()), "replay differs from the flight");
     assert!(recording.ticks() > 0, "nothing was recorded");
 }

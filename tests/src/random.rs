@@ -81,6 +81,8 @@ fn random_sensors(random: &mut Random) -> Sensors {
         },
         faults: faults.into_iter().collect(),
         errors: None,
+        remote: number(1.0) < 0.5,
+        charge: None,
     }
 }
 

@@ -3,14 +3,14 @@
 //! Position and attitude come in true from outside, at every outer step: what is seen in the motor
 //! commands besides the setpoints is the gyro's.
 
-use windhover_autopilot::{Command, Imu, ImuCounts, Inner, InnerInput, Mailboxes, MotorCommand, Outer};
+use windhover_autopilot::{Command, Imu, ImuCounts, Inner, InnerInput, Mailboxes, Mode, MotorCommand, Outer};
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
 use windhover_model::World;
 use windhover_model::sensor::inertial::{Inertial, InertialErrors};
 use windhover_sim::flight::Setup;
 
-use crate::bench::estimate;
+use crate::bench::{SPOOL_UP, estimate};
 
 /// A vehicle on the way up.
 pub struct Shaken {
@@ -60,9 +60,9 @@ impl Shaken {
     fn take_off(&mut self) {
         self.steer(0.0, 1.2);
         self.fly(0.1);
+        self.mailboxes.queues.command.push(Command::Fly(Mode::Offboard));
         self.mailboxes.queues.command.push(Command::Arm);
-        self.fly(0.1);
-        self.mailboxes.queues.command.push(Command::StartAttitude);
+        self.fly(0.1 + SPOOL_UP);
         self.fly(1.0);
         self.steer(0.0, 1.02);
         self.fly(1.0);

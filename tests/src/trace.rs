@@ -1,7 +1,9 @@
 //! What a flight did, outer step by outer step.
 
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Phase, Refused, ScheduleRecord, Snapshot};
+use windhover_autopilot::{
+    InnerInput, Mode, MotorCommand, OuterResult, Phase, Refused, Row, ScheduleRecord, Snapshot,
+};
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::Vector3;
@@ -25,6 +27,10 @@ pub struct Step {
     pub attitude_setpoint: AttitudeSetpoint,
     /// Phase of flight.
     pub phase: Phase,
+    /// Mode of flight.
+    pub mode: Mode,
+    /// The failsafe that acts.
+    pub failsafe: Option<Row>,
     /// Whether the core takes the vehicle for landed.
     pub landed: bool,
     /// What happened in the mission.
@@ -44,6 +50,8 @@ impl Step {
             trajectory: result.report.trajectory,
             attitude_setpoint: result.setpoint,
             phase: result.report.phase,
+            mode: result.report.mode,
+            failsafe: result.report.failsafe,
             landed: result.landed,
             events: result.report.events.to_vec(),
             refusals: result.report.refusals.to_vec(),

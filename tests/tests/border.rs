@@ -1,6 +1,6 @@
 //! What is no number, or a number out of all reason, does not reach a motor.
 
-use windhover_autopilot::{Command, ExternalEstimate, ParameterWrite, Parameters, Refused};
+use windhover_autopilot::{Command, ExternalEstimate, Mode, ParameterWrite, Parameters, Refused};
 use windhover_control::TrajectorySetpoint;
 use windhover_math::{Quaternion, Vector3, scalar::norm};
 use windhover_tests::bench::{Bench, estimate};
@@ -89,7 +89,7 @@ fn wrong_setpoints_stay_outside() {
     let mut bench = hovering();
     let good = TrajectorySetpoint::at_rest(Vector3::new(3.0, 0.0, -5.0), 0.0);
     bench.mailboxes.queues.setpoint.push(good);
-    bench.command(Command::StartOffboard);
+    bench.command(Command::Fly(Mode::Offboard));
     bench.run(1.0);
     for wrong in WRONG {
         for number in 0..14 {

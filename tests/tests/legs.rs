@@ -1,7 +1,9 @@
 //! Legs of a mission: corners, speeds, headings, surveys, and the climb at the beginning.
 
+use windhover_autopilot::mission::MissionEvent;
 use windhover_autopilot::mission::action::command;
 use windhover_math::{scalar::norm, wrap_pi};
+use windhover_tests::bench::{Bench, SPOOL_UP};
 use windhover_tests::plan::{Plan, UNSET, item_at};
 use windhover_tests::trace::{Step, Trace};
 use windhover_tests::{calm, mission, traced, with_parameter};
@@ -99,20 +101,20 @@ fn the_survey_does_not_stop() {
     }
 }
 
-/// A mission without a takeoff item climbs straight up before it goes anywhere.
+/// A mission that is started on the ground without a takeoff item climbs straight up before it goes
+/// anywhere.
 #[test]
 fn without_a_takeoff_item_it_climbs_first() {
     let plan = Plan::new()
         .waypoint(0.0, 0.5, 10.0, 0.0, 8.0)
         .waypoint(0.0, 0.5, 0.0, 5.0, 8.0);
-    let (flight, trace) = traced(&calm(), &plan.file());
-    assert!(flight.figures.completed);
-    assert_eq!(trace.reached(), [0, 1]);
-    let low = trace
-        .steps
-        .iter()
-        .filter(|s| s.position.z > -7.5 && s.time < 20.0);
-    for step in low {
+    let bench = Bench::in_mission(&calm(), &plan.file(), 30.0);
+    let reached = bench.steps.iter().flat_map(|step| &step.events);
+    let reached: Vec<_> = reached
+        .filter(|event| matches!(event, MissionEvent::Reached(_)))
+        .collect();
+    assert_eq!(reached, [&MissionEvent::Reached(0), &MissionEvent::Reached(1)]);
+    for step in bench.steps.iter().filter(|step| step.position.z > -7.5) {
         let strayed = libm::hypot(step.position.x, step.position.y);
         assert!(strayed < 0.2, "{strayed} m at {}", step.time);
     }
@@ -139,22 +141,20 @@ fn items_before_the_first_waypoint_happen_once() {
     assert_eq!(trace.photo_items(), [0]);
 }
 
-/// Waiting on the ground before the takeoff.
+/// Waiting on the ground before the takeoff, of a mission that is started there.
 #[test]
 fn a_delay_before_the_takeoff_is_kept() {
     let plan = Plan::new()
         .then(command::NAV_DELAY, [5.0, -1.0, -1.0, -1.0])
         .takeoff(5.0)
         .waypoint(0.0, 0.5, 4.0, 0.0, 5.0);
-    let (_, trace) = traced(&calm(), &plan.clone().file());
-    let up = trace.steps.iter().find(|step| step.position.z < -0.5).unwrap();
-    assert!((5.0..7.0).contains(&up.time), "in the air at {} s", up.time);
+    let mut bench = Bench::in_mission(&calm(), &plan.file(), 4.0);
     // Meanwhile the rotors idle: thrust would make the vehicle light on its legs.
-    let waiting = windhover_tests::bench::Bench::in_mission(&calm(), &plan.file(), 4.0);
-    assert!(matches!(
-        waiting.last(),
-        windhover_autopilot::MotorCommand::Idle(_)
-    ));
+    assert!(matches!(bench.last(), windhover_autopilot::MotorCommand::Idle(_)));
+    bench.run(6.0);
+    let up = bench.steps.iter().find(|step| step.position.z < -0.5).unwrap();
+    let waited = up.time - SPOOL_UP;
+    assert!((5.0..7.0).contains(&waited), "in the air after {waited} s");
 }
 
 /// Speeds that the mission sets are flown, on the leg after the item and on no other.

@@ -156,7 +156,7 @@ fn replay_forged(forgery: Forgery) -> Result<(), Difference> {
     let outer = setup.outer(flight::home(&mission)).unwrap();
     forger
         .recording
-        .replay(setup.inner_config(), outer, &mission.items)
+        .replay(setup.inner_config(), outer, &mission.stored())
 }
 
 /// One input of many thousands is enough to tell the flights apart, so equality means something.

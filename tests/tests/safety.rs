@@ -1,6 +1,8 @@
 //! What keeps motors still, and what happens when parts of the system fall silent.
 
-use windhover_autopilot::{Blocker, Command, MotorCommand, Phase, Preset, Refused, Urgent};
+use windhover_autopilot::{
+    Blocker, Blockers, Command, Mode, MotorCommand, Phase, Preset, Refused, Urgent, Why,
+};
 use windhover_math::scalar::norm;
 use windhover_model::ModelKind;
 use windhover_sim::flight::Setup;
@@ -40,8 +42,8 @@ fn motors_are_still_while_disarmed() {
     let mut bench = Bench::new(&calm(), &short());
     bench.run(0.5);
     bench.command(bench.commit());
-    bench.command(Command::StartMission);
-    bench.command(Command::StartOffboard);
+    bench.command(Command::Fly(Mode::Mission));
+    bench.command(Command::Fly(Mode::Offboard));
     bench.run(2.0);
     assert!(bench.motors.iter().all(|c| *c == MotorCommand::Disarmed));
     bench.command(Command::Arm);
@@ -63,7 +65,7 @@ fn stops_at_once(urgent: Urgent, imu_rate: u32) {
     bench.urgent = Some(urgent);
     assert_eq!(bench.tick(), MotorCommand::Disarmed, "{urgent:?} in its own tick");
     // The operator's other wishes do not start them again.
-    bench.command(Command::StartMission);
+    bench.command(Command::Fly(Mode::Mission));
     bench.run(0.5);
     assert!(
         bench.motors[from..].iter().all(|c| *c == MotorCommand::Disarmed),
@@ -97,7 +99,10 @@ fn a_kill_outlives_an_arm_command_of_the_same_moment() {
     assert!(bench.motors[tick..].iter().all(|c| *c == MotorCommand::Disarmed));
     assert_eq!(
         refusals(&bench, step),
-        [Refused::Command(Command::Arm, Blocker::Stopped)]
+        [Refused::Command(
+            Command::Arm,
+            Why::Blocked(Blockers::of(Blocker::Stopped))
+        )]
     );
 }
 
@@ -163,7 +168,7 @@ fn a_dead_imu_does_not_arm() {
     bench.command(Command::Arm);
     bench.run(0.5);
     assert!(bench.motors.iter().all(|c| *c == MotorCommand::Disarmed));
-    let refused = Refused::Command(Command::Arm, Blocker::Stopped);
+    let refused = Refused::Command(Command::Arm, Why::Blocked(Blockers::of(Blocker::Stopped)));
     assert_eq!(refusals(&bench, 0), [refused]);
     bench.imu_alive = true;
     bench.run(0.1);
@@ -215,7 +220,8 @@ fn a_short_silence_is_flown_through() {
     assert!(lowest > 19.95, "{lowest} m");
 }
 
-/// No word on the position: level and down; and back when there is one again.
+/// No word on the position and the height: level and down; and back where it was interrupted when
+/// there is one again.
 #[test]
 fn a_lost_position_means_level_and_down() {
     let windy = setup("os4", Preset::Windhover, ModelKind::Rigid);
@@ -229,41 +235,73 @@ fn a_lost_position_means_level_and_down() {
     let sinking = bench.world.truth().velocity.z;
     assert!((0.1..3.0).contains(&sinking), "{sinking} m/s");
     assert!(is_running(bench.last()));
+    assert_eq!(bench.last_step().mode, Mode::Descend);
     bench.estimate_alive = true;
-    bench.run(15.0);
-    assert!((bench.height() - 20.0).abs() < 0.5, "{} m", bench.height());
+    bench.run(25.0);
+    assert_eq!(bench.last_step().mode, Mode::Mission);
+    let off = bench.world.truth().position - windhover_math::Vector3::new(3.0, 0.0, -20.0);
+    assert!(norm(off) < 0.5, "{off}");
 }
 
-/// Every refusal names its reason, and nothing changes by what was refused.
+/// Every refusal names its reasons, all of them, and nothing changes by what was refused.
 #[test]
-fn refusals_name_their_reason_and_change_nothing() {
+fn refusals_name_their_reasons_and_change_nothing() {
     let mut bench = Bench::new(&calm(), &hover());
     bench.estimate_alive = false;
     bench.run(0.1);
-    let expect = |bench: &mut Bench, command, blocker| {
-        let (from, before) = (bench.steps.len(), bench.last_step().phase);
+    let expect = |bench: &mut Bench, command, why| {
+        let (from, before) = (bench.steps.len(), bench.last_step().clone());
         bench.command(command);
         bench.run(0.02);
-        assert_eq!(refusals(bench, from), [Refused::Command(command, blocker)]);
-        assert_eq!(bench.last_step().phase, before, "{command:?}");
+        assert_eq!(refusals(bench, from), [Refused::Command(command, why)]);
+        let after = bench.last_step();
+        assert_eq!(
+            (after.phase, after.mode),
+            (before.phase, before.mode),
+            "{command:?}"
+        );
     };
-    expect(&mut bench, Command::Arm, Blocker::NoEstimate);
+    let blocked = |blockers: &[Blocker]| {
+        let all = blockers
+            .iter()
+            .fold(Blockers::default(), |set, one| set.with(*one, true));
+        Why::Blocked(all)
+    };
+    let mission = Command::Fly(Mode::Mission);
+    let unknown = [
+        Blocker::AttitudeUnknown,
+        Blocker::HeightUnknown,
+        Blocker::PositionUnknown,
+    ];
+    expect(&mut bench, Command::Arm, blocked(&unknown));
     bench.estimate_alive = true;
     bench.run(0.1);
-    expect(&mut bench, Command::StartMission, Blocker::NotArmed);
-    expect(&mut bench, Command::StartOffboard, Blocker::NotArmed);
+    expect(&mut bench, mission, blocked(&[Blocker::NoMission]));
+    expect(
+        &mut bench,
+        Command::Fly(Mode::Offboard),
+        blocked(&[Blocker::NoSetpoint]),
+    );
+    expect(
+        &mut bench,
+        Command::Fly(Mode::Position),
+        blocked(&[Blocker::NoSticks]),
+    );
+    expect(&mut bench, Command::Fly(Mode::Land), Why::OnGround);
+    let from = bench.steps.len();
     bench.command(Command::Arm);
-    bench.run(0.1);
-    expect(&mut bench, Command::StartMission, Blocker::NoMission);
-    expect(&mut bench, Command::StartOffboard, Blocker::NoSetpoint);
+    bench.run(1.1);
+    assert_eq!(refusals(&bench, from), []);
+    expect(&mut bench, mission, blocked(&[Blocker::NoMission]));
     let commit = bench.commit();
     bench.command(commit);
     bench.run(0.02);
-    bench.command(Command::StartMission);
+    bench.command(mission);
     bench.run(10.0);
     let height = bench.height();
-    expect(&mut bench, Command::Disarm, Blocker::InFlight);
-    expect(&mut bench, commit, Blocker::InFlight);
+    expect(&mut bench, Command::Disarm, Why::InFlight);
+    expect(&mut bench, Command::Fly(Mode::Takeoff), Why::InFlight);
+    expect(&mut bench, commit, Why::InFlight);
     bench.run(0.5);
     assert!(bench.height() >= height && is_running(bench.last()));
 }

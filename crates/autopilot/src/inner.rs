@@ -60,7 +60,7 @@ impl InnerParameters {
     pub fn new(parameters: &Parameters) -> Option<Self> {
         Some(Self {
             gains: AttitudeGains::new(&parameters.attitude, parameters.vehicle.inertia()),
-            mixer: Mixer::new(&parameters.vehicle, parameters.motor.idle)?,
+            mixer: Mixer::new(&parameters.vehicle, parameters.motor.idle, parameters.motor.curve)?,
             calibration: parameters.calibration,
             filter: parameters.filter,
             idle: (parameters.motor.idle * FULL_COMMAND) as u16,
@@ -163,6 +163,8 @@ pub struct Inner {
     /// Whether the accelerometer shows something that can be true.
     sees_force: bool,
     torque_shortfall: Vector3,
+    /// What commands are multiplied by while the battery sags.
+    gain: f32,
     rotor_thrust: f32,
     increments: Increments,
 }
@@ -196,6 +198,7 @@ impl Inner {
             accel: AccelWatch::new(config.imu_rate),
             sees_force: true,
             torque_shortfall: Vector3::zeros(),
+            gain: 1.0,
             rotor_thrust: 0.0,
             increments: Increments::default(),
         }
@@ -292,6 +295,11 @@ impl Inner {
             let rate = self.config.imu_rate as f32;
             self.filter.retune(&parameters.filter, &parameters.rotors, rate);
             self.parameters = parameters;
+            self.parameters.mixer.set_gain(self.gain);
+        }
+        if result.motor_gain != self.gain {
+            self.gain = result.motor_gain;
+            self.parameters.mixer.set_gain(self.gain);
         }
         self.predictor.adopt(result.attitude, result.gyro_bias);
         self.setpoint = result.setpoint;

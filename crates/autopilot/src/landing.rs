@@ -12,6 +12,8 @@ use crate::inner::Snapshot;
 
 /// Thrust on the ground is below this share of the weight.
 const THRUST: f32 = 0.4;
+/// Less thrust than this share of the weight does not hold a vehicle in the air.
+const LIGHT: f32 = 0.85;
 /// How far the specific force may be from gravity's, m/s².
 const FORCE: f32 = 1.5;
 /// Vertical and horizontal speed of a vehicle that stands, m/s.
@@ -58,6 +60,12 @@ impl LandDetector {
     #[inline]
     pub fn is_landed(&self) -> bool {
         self.landed
+    }
+
+    /// Whether the rotors give less than the weight, in the mean of a tenth of a second.
+    #[inline]
+    pub fn is_light(&self) -> bool {
+        self.thrust < LIGHT
     }
 
     /// The vehicle stands here, `down` m below the origin.
@@ -113,7 +121,9 @@ impl LandDetector {
             !estimate.known.position || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
         let turn = snapshot.increments.rotation.shortest();
         let rate = 2.0 * per_second * scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
-        let held = (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
+        // An accelerometer that shows nothing says nothing of the ground either.
+        let blind = snapshot.increments.blind > 0 && estimate.known.height;
+        let held = blind || (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
         held && still_upright && still_flat && rate < RATE
     }
 }

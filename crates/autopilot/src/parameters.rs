@@ -23,6 +23,20 @@ parameters! {
     /// Motors at the edges of flight.
     pub struct MotorParameters {
         idle: "MOT_IDLE", "", 0.02..=0.3, 0.08, "Speed of armed rotors on the ground, and least speed in flight, as a share of the largest";
+        curve: "THR_MDL_FAC", "", 0.1..=1.0, 1.0, "Share of a rotor's thrust that follows the command's square, the rest follows the command: 1 where the speed controller sets the speed";
+        voltage: "MOT_VOLT_REF", "V", 0.0..=60.0, 0.0, "Battery voltage at which commands are right: below it they are raised as the voltage falls, by a third at most; 0: never";
+    }
+}
+
+impl MotorParameters {
+    /// What commands are multiplied by at a battery voltage of so many V.
+    pub fn gain(&self, voltage: Option<f32>) -> f32 {
+        match voltage {
+            Some(voltage) if self.voltage > 0.0 && voltage > 0.0 => {
+                (self.voltage / voltage).clamp(1.0, 4.0 / 3.0)
+            }
+            _ => 1.0,
+        }
     }
 }
 
@@ -114,6 +128,25 @@ mod tests {
                 declaration.text
             );
         }
+    }
+
+    #[test]
+    fn commands_rise_as_the_battery_sags_and_no_further_than_by_a_third() {
+        let motor = MotorParameters {
+            voltage: 16.0,
+            ..Default::default()
+        };
+        let gains = [
+            Some(16.8),
+            Some(16.0),
+            Some(14.0),
+            Some(3.0),
+            Some(f32::NAN),
+            None,
+        ]
+        .map(|v| motor.gain(v));
+        assert_eq!(gains, [1.0, 1.0, 16.0 / 14.0, 4.0 / 3.0, 1.0, 1.0]);
+        assert_eq!(MotorParameters::default().gain(Some(10.0)), 1.0, "off by default");
     }
 
     #[test]

@@ -55,8 +55,6 @@ pub struct Seen<'a> {
     pub needs: Needs,
     /// Height above the place of arming, m.
     pub height: f32,
-    /// Cosine of the tilt that control asked for last.
-    pub cos_tilt_wanted: f32,
     /// The charge of the battery.
     pub charge: Charge,
     /// The battery does not last to return.
@@ -69,6 +67,24 @@ pub struct Seen<'a> {
     pub setpoint_fresh: bool,
     /// The fence is left, or cannot be kept any more.
     pub breach: bool,
+}
+
+/// What control asked for last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Cosine of the tilt.
+    pub cos_tilt: f32,
+    /// Whether it was all the thrust that there is.
+    pub all_thrust: bool,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Self {
+            cos_tilt: 1.0,
+            all_thrust: false,
+        }
+    }
 }
 
 /// What a mode relies on.
@@ -100,7 +116,7 @@ impl Needs {
 pub struct Symptoms {
     /// Share of inertial samples that were missing, invalid or at the end of their range.
     bad_samples: f32,
-    /// Share of ticks at which a motor was at its limit.
+    /// Share of the time for which a motor, or all thrust, was at its limit.
     saturated: f32,
     /// Cosine of the tilt that control asks for.
     cos_tilt: f32,
@@ -121,24 +137,30 @@ impl Default for Symptoms {
 impl Symptoms {
     /// Takes in a step.
     #[inline]
-    fn look(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) {
+    fn look(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) {
         let increments = &snapshot.increments;
-        let shown = increments.missing | increments.blind | increments.clipped | increments.saturated;
-        if shown > 0 || self.bad_samples > 0.0 || self.saturated > 0.0 {
-            self.count(increments);
+        // An accelerometer that shows the same for long hangs, unless the world has no noise.
+        let blind = if on_sensors { increments.blind } else { 0 };
+        let bad = increments.missing.max(blind).max(increments.clipped);
+        let saturated = if wanted.all_thrust {
+            increments.ticks
+        } else {
+            increments.saturated
+        };
+        if bad > 0 || saturated > 0 || self.bad_samples > 0.0 || self.saturated > 0.0 {
+            self.count(increments, bad, saturated);
         }
-        self.cos_tilt += (cos_tilt_wanted - self.cos_tilt) * share(increments, TILT_TIME);
+        self.cos_tilt += (wanted.cos_tilt - self.cos_tilt) * share(increments, TILT_TIME);
         self.was_silent |= increments.duration > SILENCE;
     }
 
-    /// Takes in ticks at which something was wrong, or whose shares still fade.
+    /// Takes in so many ticks at which something was wrong, while there are any or their shares fade.
     #[inline(never)]
-    fn count(&mut self, increments: &Increments) {
+    fn count(&mut self, increments: &Increments, bad: u16, saturated: u16) {
         let ticks = f32::from(increments.ticks.max(1));
         let share = share(increments, SHARE_TIME);
-        let bad = f32::from(increments.missing.max(increments.blind).max(increments.clipped));
-        self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share;
-        self.saturated += (f32::from(increments.saturated) / ticks - self.saturated) * share;
+        self.bad_samples += (min(f32::from(bad) / ticks, 1.0) - self.bad_samples) * share;
+        self.saturated += (f32::from(saturated) / ticks - self.saturated) * share;
     }
 
     /// The rows whose condition holds.
@@ -221,10 +243,11 @@ impl Watch {
         self.active
     }
 
-    /// Whether this step is one that looks at the rows.
+    /// Takes in a step of a vehicle on its own sensors, or one that is told from outside where it is;
+    /// whether it is time to look at the rows.
     #[inline]
-    pub fn step(&mut self, snapshot: &Snapshot, cos_tilt_wanted: f32) -> bool {
-        self.symptoms.look(snapshot, cos_tilt_wanted);
+    pub fn step(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) -> bool {
+        self.symptoms.look(snapshot, wanted, on_sensors);
         self.steps = if self.steps >= EVERY - 1 {
             0
         } else {
@@ -262,17 +285,15 @@ impl Watch {
         self.active.without(before)
     }
 
+    /// A flight begins: what is over is over, without waiting for how long it has been.
+    pub fn settle(&mut self) -> RowSet {
+        self.active = self.active.and(self.last);
+        self.active
+    }
+
     /// The one row that does not wait for a look.
     pub fn with_stop(active: RowSet, stopped: Option<Stop>) -> RowSet {
         active.with(Row::ImuMissing, stopped == Some(Stop::ImuMissing))
-    }
-
-    /// Forgets what a flight has left: nothing is wrong yet with the next one.
-    pub fn restart(&mut self) {
-        *self = Self {
-            steps: self.steps,
-            ..Self::default()
-        };
     }
 }
 

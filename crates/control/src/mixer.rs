@@ -44,14 +44,49 @@ pub struct Mixer {
     share: [[f32; 4]; 4],
     thrust_min: f32,
     thrust_max: f32,
-    command_per_root: f32,
+    curve: Curve,
+    /// The curve of a speed controller at its reference voltage.
+    reference: Curve,
+}
+
+/// From a rotor's thrust f to its command: √(base + per_thrust·f) + offset.
+///
+/// With a controller whose share m of the thrust follows the command's square and the rest the
+/// command itself (PX4's `THR_MDL_FAC`), f/f_max = m·u² + (1 − m)·u, so that
+/// u = √(a² + f/(m·f_max)) − a with a = (1 − m)/(2m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Curve {
+    base: f32,
+    per_thrust: f32,
+    offset: f32,
+}
+
+impl Curve {
+    fn new(share: f32, thrust_max: f32) -> Self {
+        let a = (1.0 - share) / (2.0 * share) * FULL_COMMAND;
+        Self {
+            base: a * a,
+            per_thrust: FULL_COMMAND * FULL_COMMAND / (share * thrust_max),
+            offset: 0.5 - a,
+        }
+    }
+
+    /// The same with commands that are `gain` times as large.
+    fn times(&self, gain: f32) -> Self {
+        Self {
+            base: self.base * (gain * gain),
+            per_thrust: self.per_thrust * (gain * gain),
+            offset: (self.offset - 0.5) * gain + 0.5,
+        }
+    }
 }
 
 impl Mixer {
     /// The mixer of this vehicle, whose rotors turn with at least `idle` (0 to 1) of their
-    /// largest speed in flight. `None` when four rotors in these places cannot make every
-    /// torque, or the vehicle's figures are not positive.
-    pub fn new(vehicle: &VehicleParameters, idle: f32) -> Option<Self> {
+    /// largest speed in flight, and of whose thrust the share `squared` (above 0, to 1) follows the
+    /// command's square. `None` when four rotors in these places cannot make every torque, or the
+    /// vehicle's figures are not positive.
+    pub fn new(vehicle: &VehicleParameters, idle: f32, squared: f32) -> Option<Self> {
         let kappa = vehicle.torque_coefficient / vehicle.thrust_coefficient;
         let thrust_max = vehicle.rotor_thrust_max();
         let positions = vehicle.rotor_positions();
@@ -62,12 +97,19 @@ impl Mixer {
         let share = invert_columns([column(0), column(1), column(2), column(3)])?;
         let well_formed =
             share.iter().all(|of_rotor| of_rotor[0] > 0.01) && thrust_max > 0.0 && thrust_max.is_finite();
+        let reference = Curve::new(squared, thrust_max);
         well_formed.then(|| Self {
             share,
             thrust_min: idle * idle * thrust_max,
             thrust_max,
-            command_per_root: FULL_COMMAND / (sqrt(vehicle.thrust_coefficient) * vehicle.rotor_speed_max),
+            curve: reference,
+            reference,
         })
+    }
+
+    /// Makes all commands `gain` times as large as at the reference voltage: for a battery that sags.
+    pub fn set_gain(&mut self, gain: f32) {
+        self.curve = self.reference.times(gain);
     }
 
     /// Rotor commands for a demanded wrench. While `landed`, thrust is never raised to make room
@@ -109,7 +151,8 @@ impl Mixer {
     /// The command that makes this thrust; the conversion saturates.
     #[inline]
     fn command(&self, thrust: f32) -> u16 {
-        (sqrt(thrust) * self.command_per_root + 0.5) as u16
+        let curve = &self.curve;
+        (sqrt(curve.base + curve.per_thrust * thrust) + curve.offset) as u16
     }
 
     /// The nearest wrench that the rotors can make: roll and pitch before thrust before heading.
@@ -297,7 +340,7 @@ mod tests {
     #[test]
     fn equation_5_in_the_papers_numbering() {
         let vehicle = plus();
-        let mixer = Mixer::new(&vehicle, 0.05).unwrap();
+        let mixer = Mixer::new(&vehicle, 0.05, 1.0).unwrap();
         let demand = Wrench {
             thrust: 7.0,
             torque: Vector3::new(0.1, -0.07, 0.02),
@@ -324,7 +367,7 @@ mod tests {
             landed in any::<bool>(),
         ) {
             let vehicle = frames()[frame];
-            let mixer = Mixer::new(&vehicle, 0.05).unwrap();
+            let mixer = Mixer::new(&vehicle, 0.05, 1.0).unwrap();
             let full = 4.0 * vehicle.rotor_thrust_max();
             let demand = Wrench {
                 thrust: lift * full,
@@ -347,7 +390,7 @@ mod tests {
             frame in 0usize..3, lift in -1.0f32..3.0, torque in prop::array::uniform3(-100.0f32..100.0), landed in any::<bool>(),
         ) {
             let vehicle = frames()[frame];
-            let mixer = Mixer::new(&vehicle, 0.05).unwrap();
+            let mixer = Mixer::new(&vehicle, 0.05, 1.0).unwrap();
             let thrust = lift * 4.0 * vehicle.rotor_thrust_max();
             let demand = Wrench { thrust, torque: Vector3::from(torque) };
             let applied = mixer.mix(&demand, landed).applied;
@@ -364,7 +407,7 @@ mod tests {
         /// No demand, however wild, makes anything but a command inside the limits.
         #[test]
         fn always_inside_the_limits(thrust in any::<f32>(), torque in prop::array::uniform3(any::<f32>()), landed in any::<bool>()) {
-            let mixer = Mixer::new(&plus(), 0.1).unwrap();
+            let mixer = Mixer::new(&plus(), 0.1, 1.0).unwrap();
             let command = mixer.mix(&Wrench { thrust, torque: Vector3::from(torque) }, landed).command;
             prop_assert!(command.iter().all(|&c| c >= 6553), "{command:?}");
         }
@@ -373,7 +416,7 @@ mod tests {
     #[test]
     fn roll_and_pitch_before_thrust_before_heading() {
         let vehicle = x_frame();
-        let mixer = Mixer::new(&vehicle, 0.05).unwrap();
+        let mixer = Mixer::new(&vehicle, 0.05, 1.0).unwrap();
         let full = 4.0 * vehicle.rotor_thrust_max();
         // Near full thrust: thrust gives way to roll, heading to both.
         let demand = Wrench {
@@ -408,12 +451,33 @@ mod tests {
             rotor3_x: -0.1,
             ..plus()
         };
-        assert_eq!(Mixer::new(&in_line, 0.05), None);
+        assert_eq!(Mixer::new(&in_line, 0.05, 1.0), None);
         let one_sided = VehicleParameters {
             rotor0_x: -0.23,
             rotor1_x: -0.3,
             ..plus()
         };
-        assert_eq!(Mixer::new(&one_sided, 0.05), None);
+        assert_eq!(Mixer::new(&one_sided, 0.05, 1.0), None);
+    }
+
+    proptest! {
+        /// Whatever the controller's curve and the gain, putting the command through the curve gives
+        /// the thrust that was wanted: if this failed, a vehicle with such controllers would hover on
+        /// its integrals, or hold its attitude with other gains than were set.
+        #[test]
+        fn the_thrust_curve_is_inverted(squared in 0.1f32..=1.0, gain in 1.0f32..1.2, lift in 0.2f32..0.6) {
+            let vehicle = x_frame();
+            let mut mixer = Mixer::new(&vehicle, 0.05, squared).unwrap();
+            mixer.set_gain(gain);
+            let most = vehicle.rotor_thrust_max();
+            let demand = Wrench { thrust: 4.0 * most * lift, torque: Vector3::new(0.1, -0.2, 0.02) };
+            let mixed = mixer.mix(&demand, false);
+            let thrusts = mixer.rotor_thrusts(demand.thrust, demand.torque);
+            for (command, wanted) in mixed.command.into_iter().zip(thrusts) {
+                let signal = f32::from(command) / FULL_COMMAND / gain;
+                let made = most * (squared * signal * signal + (1.0 - squared) * signal);
+                prop_assert!((made - wanted).abs() < 2e-4 * most, "{made} for {wanted}");
+            }
+        }
     }
 }

@@ -178,7 +178,8 @@ impl Filter {
     pub fn trust_force(&mut self, noise: &NoiseParameters, is_measured: bool) {
         const RECKONED: f32 = RECKONED_FORCE * RECKONED_FORCE;
         if is_measured {
-            self.densities.velocity = noise.accel * noise.accel;
+            // As the parameters are now: they may change in flight.
+            self.densities = noise.densities();
         } else if self.densities.velocity != RECKONED {
             self.densities.velocity = RECKONED;
             // A late velocity has the noise of its lag taken off: it must have been added before.

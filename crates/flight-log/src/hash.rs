@@ -69,7 +69,7 @@ pub fn result_hash(result: &OuterResult) -> u32 {
         thrust,
     } = &result.setpoint;
     lanes.quaternion(attitude);
-    lanes.vector(rate, thrust.to_bits());
+    lanes.vector(rate, thrust.to_bits() ^ result.motor_gain.to_bits());
     self::report(&mut lanes, report);
     lanes.finish()
 }

@@ -79,7 +79,7 @@ const CHANGES: &[Change] = &[
     |r| refuses(r, Command::Disarm, Why::InFlight),
     |r| refuses(r, Command::Disarm, Why::OnGround),
     |r| refuses(r, Command::Disarm, Why::NotANumber),
-    |r| refuses(r, Command::Disarm, Why::FailsafeOnly),
+    |r| refuses(r, Command::Disarm, Why::Place(REASON)),
     |r| refuses(r, COMMIT, Why::Mission(1, REASON)),
     |r| refuses(r, COMMIT, Why::Mission(2, REASON)),
     |r| refuses(r, Command::SetSpeed(Some(f32::NAN)), Why::NotANumber),

@@ -145,6 +145,10 @@ pub struct ClosedLoop {
     pub mailboxes: Mailboxes,
     /// The next tick's urgent command.
     pub urgent: Option<Urgent>,
+    /// A rotor that stands still, whatever it is told, in the core's order.
+    pub dead_rotor: Option<usize>,
+    /// The next outer result is late by so many boundaries.
+    pub delay: u32,
     inner: Inner,
     outer: Outer,
     stored: Stored,
@@ -175,6 +179,8 @@ impl ClosedLoop {
             world,
             mailboxes: Mailboxes::default(),
             urgent: None,
+            dead_rotor: None,
+            delay: 0,
             inner: Inner::new(config, outer.inner_parameters()),
             outer,
             stored,
@@ -240,7 +246,11 @@ impl ClosedLoop {
             self.mailboxes.snapshot = None;
             self.hold_back();
         }
-        self.world.step(self.period, output.motors.rotors());
+        let mut rotors = output.motors.rotors();
+        if let (Some(rotors), Some(dead)) = (&mut rotors, self.dead_rotor) {
+            rotors[dead] = 0;
+        }
+        self.world.step(self.period, rotors);
         self.time_us += self.period_us;
     }
 
@@ -293,6 +303,7 @@ impl ClosedLoop {
     #[inline]
     fn hold_back(&mut self) {
         let boundaries = self.disruption.as_mut().map_or(0, Disruption::lateness);
+        let boundaries = boundaries + core::mem::take(&mut self.delay);
         if boundaries > 0 {
             self.late = self.mailboxes.result.take().map(|result| (result, boundaries));
         }

@@ -217,13 +217,7 @@ pub fn closed_loop(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, S
     let outer = setup.outer(home(mission))?;
     check_mission(mission, outer.parameters())?;
     let home = home(mission);
-    let mut flown = ClosedLoop::new(
-        setup.world(),
-        setup.inner_config(),
-        outer,
-        mission.stored(),
-        home,
-    );
+    let mut flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, mission.stored(), home);
     if let Some(sensors) = &setup.sensors {
         let seed = setup.conditions.seed;
         flown = flown.sensing(Sensing::new(sensors, &setup.vehicle, home, setup.imu_rate, seed));
@@ -243,7 +237,7 @@ pub fn fly<R: Recorder>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Flight, SetupError> {
     let mut flown = ready(setup, mission)?;
-    let mut operator = Operator::new(setup.sensors.is_some());
+    let mut operator = Operator::new(setup.sensors.is_some(), &mission.items);
     let mut watch = Watch::new(mission.items.len(), setup, home(mission));
     let rate = f64::from(setup.imu_rate);
     let mut writes = setup.writes.iter().peekable();
@@ -281,11 +275,7 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
                 count: items.len() as u16,
                 crc: windhover_flight_log::mission_crc(items.iter().copied()),
             };
-            flown
-                .mailboxes
-                .queues
-                .command
-                .push(Command::Commit(kind, commit));
+            flown.mailboxes.queues.command.push(Command::Commit(kind, commit));
         }
     }
     Ok(flown)
@@ -366,11 +356,18 @@ impl Recorder for Watch {
         self.follow_phase(truth, result);
         self.beliefs.look(truth, snapshot, result);
         for event in &result.report.events {
-            let wanted = result.report.trajectory.map_or(truth.position, |point| point.position.map(f64::from));
+            let wanted = result
+                .report
+                .trajectory
+                .map_or(truth.position, |point| point.position.map(f64::from));
             self.event(event, truth, wanted);
         }
         // On the ground the setpoint goes on down.
-        let Some(setpoint) = result.report.trajectory.filter(|_| !result.landed || !self.was_airborne) else {
+        let Some(setpoint) = result
+            .report
+            .trajectory
+            .filter(|_| !result.landed || !self.was_airborne)
+        else {
             return;
         };
         self.beliefs.add(truth, result);

@@ -1,6 +1,8 @@
 //! The operator of a desktop flight: arms when nothing speaks against it, takes off, flies the
 //! mission, returns and lands. When a failsafe acts, looks on.
 
+use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::action::{Action, Altitude, interpret};
 use windhover_autopilot::{Command, Mode, Phase};
 
 use crate::closed_loop::ClosedLoop;
@@ -28,18 +30,27 @@ pub struct Operator {
     clear_since: Option<f64>,
     /// For so long nothing has to, s.
     settling: f64,
+    /// Where the takeoff leads: the height of the mission's first point.
+    altitude: Option<Altitude>,
+    /// Since when the vehicle stays where a failsafe has put it, s.
+    stays_since: Option<f64>,
 }
+
+/// A vehicle that a failsafe has stopped is waited for so long, s, and then called back.
+const PATIENCE: f64 = 90.0;
 
 /// On sensors, nothing must have spoken against arming for so long, s.
 const SETTLED: f64 = 2.0;
 
 impl Operator {
-    /// Of a vehicle on its sensors, or one that is told the truth.
-    pub fn new(on_sensors: bool) -> Self {
+    /// Of a vehicle on its sensors, or one that is told the truth, with this mission.
+    pub fn new(on_sensors: bool, mission: &[MissionItem]) -> Self {
         Self {
             stage: Stage::Wait,
             clear_since: None,
             settling: if on_sensors { SETTLED } else { 0.0 },
+            altitude: first_altitude(mission),
+            stays_since: None,
         }
     }
 
@@ -61,7 +72,21 @@ impl Operator {
                 self.stage = Stage::Home;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
             }
-            _ => {}
+            _ => self.call_back(flown, time),
+        }
+    }
+
+    /// Calls a vehicle back that does not come by itself; where it cannot return, it lands.
+    fn call_back(&mut self, flown: &mut ClosedLoop, time: f64) {
+        let supervisor = flown.outer().supervisor();
+        let stays =
+            supervisor.phase() == Phase::Flying && matches!(supervisor.mode(), Mode::Hold | Mode::Altitude);
+        if !stays {
+            self.stays_since = None;
+        } else if time - *self.stays_since.get_or_insert(time) > PATIENCE {
+            self.stays_since = Some(time);
+            self.stage = Stage::Home;
+            flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
         }
     }
 
@@ -74,9 +99,19 @@ impl Operator {
         }
         if time - *self.clear_since.get_or_insert(time) >= self.settling {
             self.stage = Stage::Takeoff;
-            for command in [Command::Fly(Mode::Takeoff), Command::Arm] {
+            for command in [Command::Takeoff(self.altitude, None), Command::Arm] {
                 flown.mailboxes.queues.command.push(command);
             }
         }
     }
+}
+
+/// The height of the first point of a mission.
+fn first_altitude(mission: &[MissionItem]) -> Option<Altitude> {
+    let altitude = |item: &MissionItem| match interpret(item).ok()? {
+        Action::Takeoff { altitude } => Some(altitude),
+        Action::Waypoint { place, .. } => Some(place.altitude),
+        _ => None,
+    };
+    mission.iter().find_map(altitude)
 }

@@ -53,12 +53,7 @@ impl Recording {
 
     /// Runs a core that is as new on the recorded inputs. Its schedule follows the records: a
     /// result is adopted where it was adopted in flight.
-    pub fn replay(
-        &self,
-        config: InnerConfig,
-        mut outer: Outer,
-        stored: &Stored,
-    ) -> Result<(), Difference> {
+    pub fn replay(&self, config: InnerConfig, mut outer: Outer, stored: &Stored) -> Result<(), Difference> {
         let mut inner = Inner::new(config, outer.inner_parameters());
         let mut mailboxes = Mailboxes::default();
         let (mut boundaries, mut frozen) = (self.boundaries.iter(), self.frozen.iter());

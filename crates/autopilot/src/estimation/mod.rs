@@ -465,11 +465,27 @@ fn believed(filter: &Filter, parameters: &EstimationParameters, aiding: &Aiding)
         known: Known {
             attitude,
             heading,
-            height: attitude && accuracy.vertical < parameters.position_error_max,
+            height: attitude
+                && accuracy.vertical < parameters.position_error_max
+                && is_height_measured(filter),
             position: heading && aiding.has_place() && accuracy.horizontal < parameters.position_error_max,
         },
         accuracy,
     }
+}
+
+/// Whether anything has measured the height lately: inertial sensors alone lose it within seconds.
+fn is_height_measured(filter: &Filter) -> bool {
+    /// µs.
+    const LATELY: u64 = 5_000_000;
+    [Sensor::Barometer, Sensor::GnssHeight, Sensor::Pose]
+        .into_iter()
+        .any(|sensor| {
+            filter
+                .monitor(sensor)
+                .age(filter.time())
+                .is_some_and(|age| age < LATELY)
+        })
 }
 
 impl From<&Increments> for InertialIncrements {

@@ -335,10 +335,7 @@ impl Modes {
 
     /// Nothing flies.
     pub fn rest(&mut self) {
-        *self = Self {
-            first_item: self.first_item,
-            ..Self::default()
-        };
+        *self = Self::default();
     }
 
     /// What the last step gave.

@@ -1,13 +1,14 @@
 //! What the operator wants, and what speaks against it.
 
-use windhover_math::Vector3;
 use windhover_math::geodesy::LocalFrame;
+use windhover_math::{Vector3, sqrt};
 
 use super::Outer;
 use super::report::{Refused, Why};
 use crate::blocker::{Blocker, Blockers};
+use crate::fence::FenceAction;
 use crate::inner::Snapshot;
-use crate::mission::action::{Altitude, Place};
+use crate::mission::action::{Altitude, Place, Reason, Refusal};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Target};
 use crate::queue::Command;
@@ -99,8 +100,8 @@ impl Outer {
         if let Order::Fly(mode) = order {
             self.ordered = true;
             (self.modes.target, self.modes.takeoff) = (None, (None, None));
-            if mode == before {
-                // Asked for again: from its beginning.
+            if mode == before && mode == Mode::Hold {
+                // Asked for again, on the way to somewhere: it stops.
                 self.modes.reenter();
             }
             if phase == Phase::Landed {
@@ -116,7 +117,6 @@ impl Outer {
             Denied::Blocked => Why::Blocked(self.blockers),
             Denied::InFlight => Why::InFlight,
             Denied::OnGround => Why::OnGround,
-            Denied::Unavailable(Mode::Descend) => Why::FailsafeOnly,
             Denied::Unavailable(mode) => Why::Blocked(self.missing(mode)),
             Denied::Failsafe(row) => Why::Failsafe(row),
         }
@@ -149,10 +149,17 @@ impl Outer {
         } else {
             Order::Arm { blocked }
         };
-        self.order(order, facts)?;
+        let facts = Facts {
+            active: if was == Phase::Disarmed {
+                self.watch.settle()
+            } else {
+                facts.active
+            },
+            ..*facts
+        };
+        self.order(order, &facts)?;
         if was == Phase::Disarmed {
             self.stand();
-            self.watch.restart();
             self.home = home;
         }
         Ok(())
@@ -179,14 +186,68 @@ impl Outer {
         if self.supervisor.phase() != Phase::Flying {
             return Err(Why::OnGround);
         }
-        if target.ground.is_some() && self.estimation.frame().is_none() {
-            return Err(Why::NotANumber);
-        }
+        self.check_target(target)?;
         self.order(Order::Fly(Mode::Hold), facts)?;
+        // Entered anew, wherever hold was going.
+        self.modes.reenter();
         self.modes.target = Some(Target {
             speed: target.speed.filter(|speed| *speed > 0.0),
             ..*target
         });
+        Ok(())
+    }
+
+    /// Whether a place may be gone to: within reach, and inside the fence.
+    fn check_target(&self, target: &Target) -> Result<(), Why> {
+        let p = &self.parameters;
+        let here = self.estimation.estimate().position;
+        let ground = match (target.ground, self.estimation.frame()) {
+            (None, _) => here,
+            (Some(_), None) => return Err(Why::NotANumber),
+            (Some((latitude, longitude)), Some(frame)) => {
+                let altitude = Altitude::Home(0.0);
+                let place = Place {
+                    latitude,
+                    longitude,
+                    altitude,
+                };
+                frame.to_local(place.ground(frame.origin()))
+            }
+        };
+        let (north, east) = (ground.x - self.home.x, ground.y - self.home.y);
+        let (value, max) = (sqrt(north * north + east * east), p.mission.distance_max);
+        // A place too far for numbers is too far.
+        if !(value <= max) {
+            let reason = Reason::Distance { value, max };
+            return Err(Why::Place(Refusal {
+                field: "position",
+                reason,
+            }));
+        }
+        let origin = self.estimation.frame().map_or(0, |frame| frame.origin().altitude);
+        let height = target
+            .altitude
+            .map_or(self.home.z - here.z, |altitude| match altitude {
+                Altitude::Home(height) => height,
+                Altitude::SeaLevel(_) => altitude.above_home(origin) + self.home.z,
+            });
+        let max = p.mission.altitude_max;
+        if !(-max..=max).contains(&height) {
+            let reason = Reason::Range {
+                value: height,
+                min: -max,
+                max,
+            };
+            return Err(Why::Place(Refusal {
+                field: "altitude",
+                reason,
+            }));
+        }
+        let to = Vector3::new(ground.x, ground.y, self.home.z - height);
+        let counts = p.fence.action() != FenceAction::Nothing && !self.breach;
+        if counts && self.plans.fence.leaves(&p.fence, self.home, here, to) {
+            return Err(Why::Blocked(Blockers::of(Blocker::OutsideFence)));
+        }
         Ok(())
     }
 
@@ -218,9 +279,10 @@ impl Outer {
 
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
         finite(speed)?;
-        if let Some(mission) = self.modes.mission_mut() {
-            mission.set_speed(speed.filter(|speed| *speed > 0.0));
-        }
+        let Some(mission) = self.modes.mission_mut() else {
+            return Err(Why::Blocked(Blockers::of(Blocker::NoMission)));
+        };
+        mission.set_speed(speed.filter(|speed| *speed > 0.0));
         Ok(())
     }
 
@@ -286,7 +348,7 @@ impl Outer {
         Blockers::default()
             .with(Blocker::Stopped, stopped)
             .with(Blocker::AttitudeUnknown, !estimate.known.attitude)
-            .with(Blocker::Tilted, tilted)
+            .with(Blocker::Tilted, tilted || active.contains(Row::TumbleLow))
             .with(Blocker::ImuUnreliable, active.contains(Row::ImuUnreliable))
             .with(Blocker::GyroUncalibrated, uncalibrated(p.calibration.gyro_id))
             .with(

@@ -12,7 +12,7 @@ mod report;
 
 use heapless::Vec;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
-use windhover_control::position::PositionController;
+use windhover_control::position::{AttitudeSetpoint, PositionController};
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{GRAVITY, Vector3, min, sqrt};
 
@@ -29,7 +29,7 @@ use crate::queue::ParameterWrite;
 use crate::rc::{Events, Remote};
 use crate::schedule::OUTER_RATE;
 use crate::supervisor::{Actions, Facts, Phase, RowSet, Supervisor};
-use crate::watch::{Seen, Watch, is_position_known, time_to_return};
+use crate::watch::{Seen, Wanted, Watch, is_position_known, time_to_return};
 
 pub use command::NO_ITEM;
 pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
@@ -75,8 +75,7 @@ pub struct Outer {
     range_short: bool,
     looks: u8,
     storage_damaged: bool,
-    /// Cosine of the tilt that was demanded last.
-    cos_tilt: f32,
+    wanted: Wanted,
     estimation: Estimation,
     observer: DisturbanceObserver,
     thrust_scale: ThrustScale,
@@ -114,7 +113,7 @@ impl Outer {
             range_short: false,
             looks: 0,
             storage_damaged: false,
-            cos_tilt: 1.0,
+            wanted: Wanted::default(),
             estimation: Estimation::new(config),
             observer: DisturbanceObserver::default(),
             thrust_scale: ThrustScale::default(),
@@ -195,12 +194,13 @@ impl Outer {
         self.fly(source, dt, &mut result.report.events);
         let step = self.modes.last();
         self.next = step.next;
-        self.contact = step.contact;
+        // A vehicle that the ground holds needs little thrust.
+        self.contact = step.contact && self.landing.is_light();
         let rests = step.demand == Demand::Rest;
         self.count_idling(rests);
         result.motors = self.motors(rests);
         result.setpoint = self.control(snapshot, dt);
-        self.cos_tilt = result.setpoint.attitude.cos_tilt();
+        self.wanted = self.wanted(&result.setpoint);
         result.tick = snapshot.tick;
         self.tell(snapshot, result);
     }
@@ -296,10 +296,11 @@ impl Outer {
             0.0
         };
         let p = &self.parameters.safety;
-        let patience = if phase == Phase::Landed {
-            p.disarm_landed
-        } else {
-            p.disarm_ground
+        let patience = match phase {
+            Phase::Landed => p.disarm_landed,
+            // A mission may wait on the ground for as long as its items say.
+            _ if self.supervisor.mode() == Mode::Mission => f32::INFINITY,
+            _ => p.disarm_ground,
         };
         let available = available(&self.conditions());
         let lost = armed && !available.contains(self.supervisor.mode());
@@ -326,11 +327,9 @@ impl Outer {
             // What the operator has just chosen stays, whatever was to follow what flew until now.
             facts.next = None;
         }
-        if !armed && self.supervisor.phase() != Phase::Disarmed {
-            // What was wrong before the vehicle was armed is not what is wrong with this flight.
-            facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
-            facts.rising = RowSet::default();
-        }
+        // Arming settles what is over.
+        facts.active = Watch::with_stop(self.watch.active(), snapshot.stopped);
+        facts.rising = facts.rising.and(facts.active);
         self.supervisor.step(&facts, &self.actions);
         self.follow(phase, facts.stopped, &mut report.events);
     }
@@ -371,7 +370,9 @@ impl Outer {
     /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
     /// would not see it any more.
     fn look(&mut self, snapshot: &Snapshot, lost: bool) -> Option<RowSet> {
-        let due = self.watch.step(snapshot, self.cos_tilt);
+        let due = self
+            .watch
+            .step(snapshot, &self.wanted, self.estimation.is_on_sensors());
         if !due && !lost {
             return None;
         }
@@ -396,7 +397,6 @@ impl Outer {
             mode,
             needs,
             height: self.home.z - estimate.position.z,
-            cos_tilt_wanted: self.cos_tilt,
             charge: self.battery.charge(),
             range_short: self.range_short && flies,
             rc_lost: self.remote.is_lost(),
@@ -428,6 +428,16 @@ impl Outer {
         let needed = time_to_return(distance, self.home.z - estimate.position.z, p);
         let left = self.battery.seconds_left(p.battery.emergency);
         self.range_short = left.is_some_and(|left| left < needed * p.safety.range_margin);
+    }
+
+    /// What is kept of a setpoint to be watched.
+    fn wanted(&self, setpoint: &AttitudeSetpoint) -> Wanted {
+        let p = &self.parameters;
+        let most = p.position.thrust_max * 4.0 * p.vehicle.rotor_thrust_max();
+        Wanted {
+            cos_tilt: setpoint.attitude.cos_tilt(),
+            all_thrust: setpoint.thrust >= 0.999 * most,
+        }
     }
 
     /// Weight as the thrust feels it, N.
@@ -501,7 +511,8 @@ impl Outer {
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;
-        result.landed = self.landing.is_landed() || step.contact;
+        result.landed = self.landing.is_landed() || self.contact;
+        result.motor_gain = self.parameters.motor.gain(self.battery.voltage());
         let report = &mut result.report;
         report.phase = self.supervisor.phase();
         report.mode = self.supervisor.mode();

@@ -18,7 +18,7 @@ use crate::queue::{Command, ParameterWrite};
 use crate::supervisor::{Phase, Row, RowSet};
 
 /// What the inner step adopts.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OuterResult {
     /// Tick of the snapshot that it was made from.
     pub tick: u32,
@@ -32,10 +32,28 @@ pub struct OuterResult {
     pub landed: bool,
     /// What attitude control is to reach.
     pub setpoint: AttitudeSetpoint,
+    /// What motor commands are multiplied by while the battery sags; at least 1.
+    pub motor_gain: f32,
     /// New parameters of the inner step, when they have changed.
     pub parameters: Option<InnerParameters>,
     /// What is told to those who watch.
     pub report: OuterReport,
+}
+
+impl Default for OuterResult {
+    fn default() -> Self {
+        Self {
+            tick: 0,
+            attitude: Quaternion::IDENTITY,
+            gyro_bias: Vector3::zeros(),
+            motors: MotorState::Disarmed,
+            landed: false,
+            setpoint: AttitudeSetpoint::default(),
+            motor_gain: 1.0,
+            parameters: None,
+            report: OuterReport::default(),
+        }
+    }
 }
 
 /// What the outer step tells those who watch: log, ground station, desktop.
@@ -133,8 +151,8 @@ pub enum Why {
     Fence(u16, FenceRefusal),
     /// A number is none, or the place is not known.
     NotANumber,
-    /// Only failsafes choose this mode.
-    FailsafeOnly,
+    /// The place cannot be gone to.
+    Place(Refusal),
 }
 
 impl core::fmt::Display for Why {
@@ -152,7 +170,7 @@ impl core::fmt::Display for Why {
             Self::Failsafe(row) => write!(f, "failsafe: {}", row.watched().text),
             Self::Mission(index, refusal) => write!(f, "mission item {}, {refusal}", index + 1),
             Self::Fence(index, refusal) => write!(f, "fence item {}, {refusal}", index + 1),
-            Self::FailsafeOnly => f.write_str("this mode is left to failsafes"),
+            Self::Place(refusal) => refusal.fmt(f),
             Self::NotANumber => f.write_str("a value is not a number, or the place is not known"),
         }
     }

@@ -197,6 +197,7 @@ fn check(
     // Without an operator's order nothing makes a worse failsafe do less while it lasts.
     if let (Some(acting), true) = (before.acting, answers.is_empty())
         && facts.active.contains(acting)
+        && actions.of(acting) >= Action::Hold
         && before.phase == Phase::Flying
         && after.phase == Phase::Flying
     {
@@ -205,6 +206,15 @@ fn check(
         let kept =
             Action::of(after.mode) >= Action::of(before.mode) || !facts.available.contains(before.mode);
         assert!(kept || facts.next.is_some(), "{}", what());
+    }
+    // A vehicle that has landed does not think of something else to fly by itself.
+    let grounded = before.phase == Phase::Landed && after.phase == Phase::Landed;
+    if grounded && answers.is_empty() && facts.next.is_none() {
+        let quiet = after.mode == before.mode || matches!(after.mode, Mode::Altitude | Mode::Descend);
+        assert!(quiet, "{}", what());
+    }
+    if before.phase == Phase::Flying && after.phase == Phase::Landed && answers.is_empty() {
+        assert_eq!(after.interrupted, None, "{}", what());
     }
     // Orders that were refused by themselves changed nothing.
     if let ([(_, Err(_))], [Event::Order(_)]) = (answers, events) {
@@ -244,7 +254,7 @@ fn can_come_down(situation: &Situation, actions: &Actions) {
     }
     let (next, _, answers) = apply(situation, &[Event::Order(Order::Fly(Mode::Land))], actions);
     let comes_down = Action::of(next.supervisor.mode) >= Action::Return;
-    let may_fly_on = situation.known < Known::Position || next.supervisor.phase != Phase::Flying;
+    let may_fly_on = next.supervisor.phase != Phase::Flying;
     let held = matches!(answers.as_slice(), [(_, Err(Denied::Failsafe(_)))]);
     assert!(comes_down || may_fly_on || held, "{situation:?} {next:?}");
 }

@@ -12,7 +12,8 @@
 //! 4. The worst row that is active acts, unless the operator has overridden it; a mode that does as
 //!    much already is not interrupted; a row that is over lets the interrupted mode resume if its
 //!    line says so.
-//! 5. A mode whose entry conditions are gone falls back: to level flight, then to a level descent.
+//! 5. A mode whose entry conditions are gone falls back: to level flight, then to a level descent;
+//!    it goes on when they are back, where no failsafe has acted meanwhile.
 //! 6. Time on the ground: disarmed.
 
 pub mod action;
@@ -168,7 +169,11 @@ impl Supervisor {
             return;
         }
         match (self.phase, facts.airborne) {
-            (Phase::Flying, false) => self.phase = Phase::Landed,
+            (Phase::Flying, false) => {
+                self.phase = Phase::Landed;
+                // What was interrupted in the air is over.
+                self.interrupted = None;
+            }
             (_, true) => self.phase = Phase::Flying,
             _ => {}
         }
@@ -180,7 +185,8 @@ impl Supervisor {
             return;
         }
         self.carry_out(actions);
-        self.fall_back(facts.available);
+        self.come_back(facts.available, actions);
+        self.fall_back(facts.available, actions);
         if facts.disarm_due && self.phase != Phase::Flying {
             self.disarm();
         }
@@ -194,7 +200,7 @@ impl Supervisor {
         } else {
             facts.active
         };
-        if active.is_empty() {
+        if facts.active.is_empty() {
             self.overridden = Action::None;
         }
         let worst = actions.worst(self.not_overridden(active, facts.rising, actions));
@@ -206,7 +212,12 @@ impl Supervisor {
             }
             (Some(acting), _) if active.contains(acting) => {}
             // What acted is over, and something less is left.
-            (Some(_), Some(worst)) => self.act(worst, actions),
+            (Some(acting), Some(worst)) => {
+                if actions.of(worst) < Action::Hold {
+                    self.end(acting, facts.available);
+                }
+                self.act(worst, actions);
+            }
             (Some(acting), None) => self.end(acting, facts.available),
             (None, Some(worst)) => self.begin(worst, actions),
             (None, None) => {}
@@ -221,14 +232,18 @@ impl Supervisor {
         active.iter().fold(RowSet::default(), |set, row| {
             let free = rising.contains(row)
                 || actions.of(row) > self.overridden
-                || row.watched().yields_to == Override::Nobody;
+                || (row.watched().yields_to == Override::Nobody && self.phase == Phase::Flying);
             set.with(row, free)
         })
     }
 
     fn begin(&mut self, row: Row, actions: &Actions) {
         let before = self.acting.map_or(Action::None, |acting| actions.of(acting));
-        if before < Action::Hold && actions.of(row) >= Action::Hold {
+        if before < Action::Hold
+            && actions.of(row) >= Action::Hold
+            && self.interrupted.is_none()
+            && self.phase == Phase::Flying
+        {
             self.interrupted = Some(self.mode);
         }
         self.act(row, actions);
@@ -247,6 +262,9 @@ impl Supervisor {
     /// The mode is one that does at least what the row that acts asks for: also when that could not
     /// be done until now.
     fn carry_out(&mut self, actions: &Actions) {
+        if self.phase != Phase::Flying {
+            return;
+        }
         let action = self.acting.map_or(Action::None, |row| actions.of(row));
         if let Some(mode) = action.mode().filter(|_| action > Action::of(self.mode)) {
             self.mode = mode;
@@ -265,10 +283,28 @@ impl Supervisor {
         }
     }
 
+    /// Whether a failsafe flies, and not the operator's mode.
+    fn is_interrupting(&self, actions: &Actions) -> bool {
+        self.acting.is_some_and(|row| actions.of(row) >= Action::Hold)
+    }
+
+    /// A mode that fell back goes on as soon as it can, unless a failsafe has it.
+    fn come_back(&mut self, available: ModeSet, actions: &Actions) {
+        if !self.is_interrupting(actions)
+            && let Some(mode) = self.interrupted.take_if(|mode| available.contains(*mode))
+        {
+            self.mode = mode;
+        }
+    }
+
     /// Level flight, and then a level descent, for modes whose entry conditions are gone.
-    fn fall_back(&mut self, available: ModeSet) {
+    fn fall_back(&mut self, available: ModeSet, actions: &Actions) {
         if available.contains(self.mode) {
             return;
+        }
+        let flying = self.phase == Phase::Flying;
+        if flying && !self.is_interrupting(actions) && self.interrupted.is_none() {
+            self.interrupted = Some(self.mode);
         }
         let landing = matches!(self.mode, Mode::Land | Mode::Descend | Mode::Altitude);
         self.mode = if !landing && available.contains(Mode::Altitude) {
@@ -285,9 +321,13 @@ impl Supervisor {
             Order::Arm { .. } | Order::ForceArm if self.phase != Phase::Disarmed => Ok(()),
             Order::Arm { blocked: true } => Err(Denied::Blocked),
             Order::Arm { .. } | Order::ForceArm => {
+                // Whoever arms knows what is wrong already: only what comes then acts.
                 *self = Self {
                     phase: Phase::Armed,
                     mode: self.mode,
+                    overridden: actions
+                        .worst(facts.active)
+                        .map_or(Action::None, |row| actions.of(row)),
                     ..Self::default()
                 };
                 Ok(())
@@ -319,10 +359,12 @@ impl Supervisor {
                 return Err(Denied::Failsafe(row));
             }
         }
+        // Down is always to be had: level, where the place is not known.
+        let lands = mode == Mode::Land && flying && !facts.available.contains(mode);
+        let mode = if lands { Mode::Descend } else { mode };
         match mode {
             Mode::Takeoff if flying => return Err(Denied::InFlight),
-            Mode::Land | Mode::Return if !flying => return Err(Denied::OnGround),
-            Mode::Descend => return Err(Denied::Unavailable(mode)),
+            Mode::Land | Mode::Return | Mode::Descend if !flying => return Err(Denied::OnGround),
             _ if !facts.available.contains(mode) => return Err(Denied::Unavailable(mode)),
             _ => {}
         }

@@ -90,6 +90,7 @@ fn result(tick: u32, motors: MotorState) -> OuterResult {
             rate: Vector3::zeros(),
             thrust: 6.4,
         },
+        motor_gain: 1.0,
         parameters: None,
         report: OuterReport::default(),
     }

@@ -111,5 +111,5 @@ fn a_refusal_is_never_without_a_reason() {
             assert!(!why.to_string().is_empty(), "{mode:?}");
         }
     }
-    assert_eq!(flight.refused(Command::Fly(Mode::Descend)), Why::FailsafeOnly);
+    assert_eq!(flight.refused(Command::Fly(Mode::Descend)), Why::OnGround);
 }

@@ -38,7 +38,7 @@ pub const fn why_code(why: &Why) -> u8 {
         Why::Mission(..) => 5,
         Why::Fence(..) => 6,
         Why::NotANumber => 7,
-        Why::FailsafeOnly => 8,
+        Why::Place(_) => 8,
     }
 }
 
