@@ -17,7 +17,7 @@ const SRAM: Range<u32> = 0x2000_0000..0x2002_0000;
 const CCM: Range<u32> = 0x1000_0000..0x1001_0000;
 
 /// What the firmware may take, in bytes.
-const BOUNDS: [(&str, u64); 3] = [("flash", 250_000), ("SRAM", 64_000), ("CCM", 24_000)];
+const BOUNDS: [(&str, u64); 3] = [("flash", 320_000), ("SRAM", 64_000), ("CCM", 24_000)];
 
 /// Crates that come with the compiler.
 const COMPILER: &str = "core, alloc, compiler_builtins";
