@@ -217,7 +217,7 @@ impl Outer {
         let (north, east) = (ground.x - self.home.x, ground.y - self.home.y);
         let (value, max) = (sqrt(north * north + east * east), p.mission.distance_max);
         // A place too far for numbers is too far.
-        if !(value <= max) {
+        if !(..=max).contains(&value) {
             let reason = Reason::Distance { value, max };
             return Err(Why::Place(Refusal {
                 field: "position",
