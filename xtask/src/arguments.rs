@@ -13,6 +13,7 @@ cargo xtask TASK
   bench [ARGS]    the benchmarks of windhover-sim; ARGS go to them
   count           instructions of the firmware's steps and of the core's functions
   size            flash and RAM of the firmware by section and by crate
+  link-size       flash and RAM of the ground link alone
   help            this text
 ";
 
@@ -29,6 +30,7 @@ pub enum Task {
     Bench(Vec<String>),
     Count,
     Size,
+    LinkSize,
 }
 
 /// Reads the arguments that follow the program's name.
@@ -40,6 +42,7 @@ pub fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Task, String
         Some("bench") => return Ok(Task::Bench(arguments.collect())),
         Some("count") => Task::Count,
         Some("size") => Task::Size,
+        Some("link-size") => Task::LinkSize,
         Some(other) => return Err(format!("there is no task `{other}`")),
     };
     match arguments.next() {

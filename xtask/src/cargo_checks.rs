@@ -82,6 +82,13 @@ pub fn flights() -> Command {
     cargo(["test", "--locked", "--release", "--package", "windhover-tests"])
 }
 
+/// Ten million bytes of noise and a million valid frames for the ground link.
+pub fn noise() -> Command {
+    let mut command = cargo(["test", "--locked", "--release", "--test", "noise"]);
+    command.args(["--package", "windhover-ground-link"]);
+    command
+}
+
 /// In the dev profile, which checks more; the engine is optimised there as well, and is built
 /// once for this, for clippy and for the documentation.
 pub fn emulated_board() -> Command {

@@ -50,6 +50,7 @@ fn main() -> ExitCode {
         Task::Bench(arguments) => bench(&arguments),
         Task::Count => count::check(),
         Task::Size => size::check(),
+        Task::LinkSize => size::check_link(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

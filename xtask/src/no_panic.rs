@@ -1,4 +1,4 @@
-//! The probe of the package `windhover-no-panic`: it links only while no panic can be reached.
+//! The probes of the package `windhover-no-panic`: they link only while no panic can be reached.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -10,42 +10,76 @@ use crate::toolchain::BOARD;
 /// The function that the probe's panic handler calls and that nobody defines.
 const MISSING: &str = "windhover_step_can_panic";
 
-/// The functions under proof.
-const STEPS: [&str; 2] = ["inner_step", "outer_step"];
+/// A program of the probe, and the functions under proof that must be in it.
+struct Probe {
+    program: &'static str,
+    functions: &'static [&'static str],
+}
 
-/// The probe links, and both steps are in it.
+const STEPS: Probe = Probe {
+    program: "windhover-no-panic",
+    functions: &["inner_step", "outer_step"],
+};
+
+const LINK: Probe = Probe {
+    program: "windhover-link-probe",
+    functions: &[
+        "link_receive",
+        "link_poll",
+        "link_requests",
+        "link_tell",
+        "link_key",
+    ],
+};
+
+/// The probes link, and all that is under proof is in them.
 pub fn links() -> Outcome {
-    run(&mut build())?;
-    let path = target_directory()?
-        .join(BOARD)
-        .join("no-panic/windhover-no-panic");
-    let elf = Elf::read(&path)?;
-    for step in STEPS {
-        match elf.symbol(step) {
-            Some(symbol) if symbol.size > 0 => println!("{step}: {} bytes, no panic", symbol.size),
-            _ => return Err(format!("`{step}` is not in the probe: it proves nothing")),
+    for probe in [STEPS, LINK] {
+        let elf = linked(&probe)?;
+        for function in probe.functions {
+            match elf.symbol(function) {
+                Some(symbol) if symbol.size > 0 => println!("{function}: {} bytes, no panic", symbol.size),
+                _ => return Err(format!("`{function}` is not in the probe: it proves nothing")),
+            }
         }
     }
     Ok(())
 }
 
-/// With an `unwrap` in a step the probe does not link, for the panic's sake and no other.
+/// The probe that holds the ground link and nothing else.
+pub fn link() -> Result<Elf, String> {
+    linked(&LINK)
+}
+
+fn linked(probe: &Probe) -> Result<Elf, String> {
+    run(&mut build(probe))?;
+    let path = target_directory()?.join(BOARD).join("no-panic");
+    Elf::read(&path.join(probe.program))
+}
+
+/// With an `unwrap` in what is under proof the probes do not link, for the panic's sake and no
+/// other.
 pub fn fails_to_link() -> Outcome {
-    let output = capture(build().args(["--features", "prove-it-fails"]))?;
-    let words = String::from_utf8_lossy(&output.stderr);
-    if output.status.success() {
-        return Err("the probe linked with an `unwrap` in a step: it proves nothing".into());
+    for probe in [STEPS, LINK] {
+        let output = capture(build(&probe).args(["--features", "prove-it-fails"]))?;
+        let words = String::from_utf8_lossy(&output.stderr);
+        if output.status.success() {
+            let program = probe.program;
+            return Err(format!(
+                "{program} linked with an `unwrap` in it: it proves nothing"
+            ));
+        }
+        if undefined_symbols(&words) != BTreeSet::from([MISSING]) {
+            return Err(format!(
+                "the probe failed for another reason than `{MISSING}`:\n{words}"
+            ));
+        }
+        println!("it does not link, as it should: undefined symbol {MISSING}");
     }
-    if undefined_symbols(&words) != BTreeSet::from([MISSING]) {
-        return Err(format!(
-            "the probe failed for another reason than `{MISSING}`:\n{words}"
-        ));
-    }
-    println!("it does not link, as it should: undefined symbol {MISSING}");
     Ok(())
 }
 
-fn build() -> Command {
+fn build(probe: &Probe) -> Command {
     cargo([
         "build",
         "--locked",
@@ -55,6 +89,8 @@ fn build() -> Command {
         BOARD,
         "--package",
         "windhover-no-panic",
+        "--bin",
+        probe.program,
     ])
 }
 

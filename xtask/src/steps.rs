@@ -48,6 +48,11 @@ const STEPS: &[Step] = &[
         cargo_checks::workspace,
     ),
     tests("flights", "whole flights, release profile", cargo_checks::flights),
+    tests(
+        "noise",
+        "the ground link stands millions of bytes and frames, release profile",
+        cargo_checks::noise,
+    ),
     step("hash", "every build flies the same bits", hash::is_equal),
     step(
         "pyulog",
@@ -56,7 +61,7 @@ const STEPS: &[Step] = &[
     ),
     step(
         "fuzz",
-        "the log's reader stands half a minute of fuzzing",
+        "what reads bytes from outside stands two minutes of fuzzing",
         fuzz::targets,
     ),
     step(
@@ -71,12 +76,12 @@ const STEPS: &[Step] = &[
     ),
     step(
         "no-panic",
-        "no panic can be reached from the steps and their log",
+        "no panic can be reached from the steps, their log and the ground link",
         no_panic::links,
     ),
     step(
         "no-panic-fails",
-        "the proof notices an unwrap in a step",
+        "the proof notices an unwrap in a step and in the link",
         no_panic::fails_to_link,
     ),
     step("nalgebra", "nalgebra has no feature `std`", nalgebra::has_no_std),
@@ -89,6 +94,11 @@ const STEPS: &[Step] = &[
         "size",
         "the firmware takes no more flash and RAM than it may",
         size::check,
+    ),
+    step(
+        "link-size",
+        "the ground link takes no more flash and RAM than it may",
+        size::check_link,
     ),
     tests(
         "hil",

@@ -34,7 +34,7 @@ const AIRBORNE_AFTER: f32 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LandDetector {
     landed: bool,
-    /// Height of the ground at the place of arming, down, m.
+    /// Height of the ground where it stands or stood last, down, m.
     ground: f32,
     /// For how long it seems to stand, or to lift, s.
     since: f32,
@@ -103,6 +103,8 @@ impl LandDetector {
         if changes && self.since > enough {
             self.landed = !self.landed;
             self.since = 0.0;
+            // The ground is here, whatever the height says: it may have gone wrong in flight.
+            self.ground = estimate.position.z;
         }
     }
 
@@ -145,6 +147,8 @@ mod tests {
         height: f32,
         climb: f32,
         knows_height: bool,
+        /// What the estimated height is off by, m.
+        offset: f32,
         noise: u32,
     }
 
@@ -163,6 +167,7 @@ mod tests {
                 height: 0.0,
                 climb: 0.0,
                 knows_height: true,
+                offset: 0.0,
                 noise: 1,
             }
         }
@@ -196,7 +201,7 @@ mod tests {
                 inputs: OuterInputs::default(),
             };
             let estimate = Estimate {
-                position: Vector3::new(0.0, 0.0, -self.height),
+                position: Vector3::new(0.0, 0.0, -self.height - self.offset),
                 velocity: Vector3::new(0.0, 0.0, -self.climb),
                 known: Known {
                     attitude: true,
@@ -238,6 +243,16 @@ mod tests {
             });
             prop_assert!(landed);
         }
+    }
+
+    /// A height that has gone wrong in flight, by a barometer's step, does not lift the vehicle off
+    /// again as soon as it has landed.
+    #[test]
+    fn a_landing_at_a_wrong_height_stays_one() {
+        let mut body = Body::flying(0.0);
+        body.offset = 5.0;
+        assert!((0..375).any(|_| body.step(0.1, 1.0)));
+        assert!((0..1000).all(|_| body.step(0.1, 1.0)));
     }
 
     #[test]

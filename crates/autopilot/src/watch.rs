@@ -76,6 +76,8 @@ pub struct Wanted {
     pub cos_tilt: f32,
     /// Whether it was all the thrust that there is.
     pub all_thrust: bool,
+    /// Whether it was much less than the weight.
+    pub light: bool,
 }
 
 impl Default for Wanted {
@@ -83,6 +85,7 @@ impl Default for Wanted {
         Self {
             cos_tilt: 1.0,
             all_thrust: false,
+            light: true,
         }
     }
 }
@@ -144,6 +147,9 @@ impl Symptoms {
         let bad = increments.missing.max(blind).max(increments.clipped);
         let saturated = if wanted.all_thrust {
             increments.ticks
+        } else if wanted.light {
+            // At the lower end of the thrust, torques are short of room: on the ground, as a rule.
+            0
         } else {
             increments.saturated
         };

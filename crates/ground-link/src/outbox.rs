@@ -13,6 +13,9 @@ use crate::text::{Severity, Texts};
 /// Answers that wait.
 const REPLIES: usize = 32;
 
+/// Acknowledgements of commands that wait: no flood of other questions may crowd them out.
+const ACKNOWLEDGEMENTS: usize = 16;
+
 /// Requests that wait.
 const REQUESTS: usize = 8;
 
@@ -51,6 +54,15 @@ pub(crate) enum Reply {
     Reached(u16),
     Parameter(u16),
     ParameterHash,
+    /// Why there is no value.
+    ParameterError {
+        to: Address,
+        /// As it was asked for.
+        index: i16,
+        id: [u8; 16],
+        /// `MAV_PARAM_ERROR`.
+        error: u8,
+    },
     /// A message of telemetry, by its number.
     Telemetry(u16),
     Version,
@@ -63,8 +75,8 @@ pub(crate) enum Reply {
     },
     Time {
         to: Address,
-        theirs: i64,
-        ours: i64,
+        theirs: u64,
+        ours: u64,
     },
     NoFiles {
         to: Address,
@@ -88,6 +100,7 @@ pub struct Order {
 /// Answers, requests and texts that wait.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outbox {
+    acknowledgements: Deque<Reply, ACKNOWLEDGEMENTS>,
     replies: Deque<Reply, REPLIES>,
     requests: Deque<Order, REQUESTS>,
     pub texts: Texts,
@@ -99,6 +112,8 @@ pub(crate) struct Outbox {
 pub struct Dropped {
     /// Answers; whoever asked will ask again.
     pub replies: u32,
+    /// Photos that were not told.
+    pub photos: u32,
     /// Requests; commands among them were answered "temporarily rejected".
     pub requests: u32,
 }
@@ -108,11 +123,14 @@ impl Outbox {
     /// acknowledged for itself.
     #[inline(never)]
     pub fn reply(&mut self, reply: Reply) {
-        let is_command = matches!(reply, Reply::Command { .. });
-        if !is_command && self.replies.iter().any(|waiting| *waiting == reply) {
+        let pushed = if matches!(reply, Reply::Command { .. }) {
+            self.acknowledgements.push_back(reply)
+        } else if self.replies.iter().any(|waiting| *waiting == reply) {
             return;
-        }
-        if self.replies.push_back(reply).is_err() {
+        } else {
+            self.replies.push_back(reply)
+        };
+        if pushed.is_err() {
             self.dropped.replies = self.dropped.replies.saturating_add(1);
         }
     }
@@ -131,6 +149,10 @@ impl Outbox {
     #[inline(never)]
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         self.texts.say(severity, text);
+    }
+
+    pub fn next_acknowledgement(&mut self) -> Option<Reply> {
+        self.acknowledgements.pop_front()
     }
 
     pub fn next_reply(&mut self) -> Option<Reply> {

@@ -5,27 +5,36 @@
 //! a client never believes what is not so. A value out of range is answered with the old one, and
 //! with a line of text that says the range.
 
-use heapless::Vec;
-use mavlink::dialects::common::{
-    MavParamType, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
-};
+mod constants;
+
+use mavlink::MessageData;
+use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 use windhover_parameters::{Declaration, Refusal};
 
 use crate::checksum::update;
-use crate::frame::Address;
+use crate::frame::{Address, put};
 use crate::outbox::{Order, Outbox, Reply};
 use crate::request::Request;
-use crate::text::{Decimal, Severity};
+use crate::text::{Decimal, Plain, Severity};
 use crate::wire::{Message, Payload};
+
+pub use constants::{Appended, QGROUNDCONTROL};
 
 /// The name under which clients ask for a hash over all names and values.
 const HASH: &str = "_HASH_CHECK";
+
+/// The longest name.
+const NAME: usize = 16;
 
 /// Writes that wait for the table to show them.
 const WRITES: usize = 4;
 
 /// A write that the table does not show after this time is answered with what it holds, µs.
 const WRITE_TIMEOUT: u64 = 400_000;
+
+/// Why there is no value, or not the one that was to be set (`MAV_PARAM_ERROR`).
+const DOES_NOT_EXIST: u8 = 1;
+const OUT_OF_RANGE: u8 = 2;
 
 /// The index that says "by name".
 const BY_NAME: i16 = -1;
@@ -72,7 +81,7 @@ struct Write {
 pub(crate) struct ParameterService {
     /// The next parameter of the list that is being sent.
     listing: Option<u16>,
-    writes: Vec<Write, WRITES>,
+    writes: [Option<Write>; WRITES],
 }
 
 /// What the service works with.
@@ -87,67 +96,66 @@ pub(crate) struct Surroundings<'a> {
 impl ParameterService {
     /// Sends the list from its start.
     pub fn list(&mut self, payload: Payload<'_>, own: Address) {
-        if let Some(asked) = payload.read::<PARAM_REQUEST_LIST_DATA>()
-            && own.is_meant(asked.target_system, asked.target_component)
-        {
+        if payload.is_for(own, 0) {
             self.listing = Some(0);
         }
     }
 
-    /// Sends one parameter, or the hash. What there is not is not answered.
-    pub fn read(&mut self, payload: Payload<'_>, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read::<PARAM_REQUEST_READ_DATA>() else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+    /// Sends one parameter, or the hash, or says that there is no such one.
+    pub fn read(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
+        if !payload.is_for(around.own, 2) {
             return;
         }
-        let name = crate::wire::text(&*asked.param_id);
-        let index = match asked.param_index {
+        let id = payload.bytes::<NAME>(4);
+        let name = crate::wire::text(&id);
+        let asked = payload.short(0);
+        let index = match asked {
             BY_NAME if name == HASH => return around.outbox.reply(Reply::ParameterHash),
             BY_NAME => around.table.find(name),
             index => u16::try_from(index).ok(),
         };
-        if let Some(index) = index.filter(|index| *index < around.table.count()) {
-            around.outbox.reply(Reply::Parameter(index));
-        }
+        around
+            .outbox
+            .reply(match index.filter(|index| *index < around.table.count()) {
+                Some(index) => Reply::Parameter(index),
+                None => error(from, asked, id, DOES_NOT_EXIST),
+            });
     }
 
     /// Asks for a write, or says why not.
     pub fn set(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        // The type (byte 22) may be anything: the value is a float all the same.
-        let real = (22, MavParamType::MAV_PARAM_TYPE_REAL32 as u8);
-        let Some(asked) = payload.read_with::<PARAM_SET_DATA>(&[real]) else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(around.own, 4) {
             return;
         }
-        let name = crate::wire::text(&*asked.param_id);
+        // The type (byte 22) may be anything: the value is a float all the same.
+        let value = payload.float(0);
+        let id = payload.bytes::<NAME>(6);
+        let name = crate::wire::text(&id);
         if name == HASH {
-            return self.compare(asked.param_value, around);
+            return self.compare(value, around);
         }
         let found = around.table.find(name);
         let Some((index, declaration)) =
             found.and_then(|index| Some((index, around.table.declaration(index)?)))
         else {
-            let text = format_args!("{name}: there is no such parameter");
+            around.outbox.reply(error(from, BY_NAME, id, DOES_NOT_EXIST));
+            let text = format_args!("{}: there is no such parameter", Plain(name));
             return around.outbox.say(Severity::Warning, text);
         };
-        let value = asked.param_value;
         if value.is_subnormal() {
             around.outbox.reply(Reply::Parameter(index));
-            let text = format_args!("{name}: to be sent as REAL32");
+            let text = format_args!("{}: to be sent as REAL32", Plain(name));
             return around.outbox.say(Severity::Warning, text);
         }
         if let Err(refusal) = declaration.check(value) {
+            around.outbox.reply(error(from, BY_NAME, id, OUT_OF_RANGE));
             return refuse(index, refusal, around);
         }
         self.write(
             Write {
                 index,
                 value,
-                deadline: around.now + WRITE_TIMEOUT,
+                deadline: around.now.saturating_add(WRITE_TIMEOUT),
             },
             from,
             around,
@@ -164,50 +172,52 @@ impl ParameterService {
 
     fn write(&mut self, write: Write, from: Address, around: &mut Surroundings<'_>) {
         let shown = around.table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
-        if shown && !self.writes.iter().any(|other| other.index == write.index) {
+        let is_same = |other: &Option<Write>| other.is_some_and(|other| other.index == write.index);
+        let known = self.writes.iter().position(is_same);
+        if shown && known.is_none() {
             return around.outbox.reply(Reply::Parameter(write.index));
         }
         let request = Request::WriteParameter {
             index: write.index,
             value: write.value,
         };
-        self.writes.retain(|other| other.index != write.index);
         let order = Order {
             request,
             from,
             id: None,
         };
-        if self.writes.is_full() || !around.outbox.request(order) {
+        let free = known.or_else(|| self.writes.iter().position(Option::is_none));
+        let place = free.and_then(|free| self.writes.get_mut(free));
+        let Some(place) = place.filter(|_| around.outbox.request(order)) else {
             around.outbox.reply(Reply::Parameter(write.index));
             return around
                 .outbox
                 .say(Severity::Warning, format_args!("parameter not set: busy"));
-        }
-        let _ = self.writes.push(write);
+        };
+        *place = Some(write);
     }
 
     /// A write was refused by the vehicle.
     pub fn refused(&mut self, index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
-        let before = self.writes.len();
-        self.writes.retain(|write| write.index != index);
-        if self.writes.len() < before {
-            refuse(index, refusal, around);
+        let is_its = |write: &Option<Write>| write.is_some_and(|write| write.index == index);
+        for write in &mut self.writes {
+            if is_its(write) {
+                *write = None;
+                refuse(index, refusal, around);
+            }
         }
     }
 
     /// Answers writes that the table shows, or has not shown in time.
     pub fn poll(&mut self, around: &mut Surroundings<'_>) {
-        let Surroundings {
-            table, outbox, now, ..
-        } = around;
-        self.writes.retain(|write| {
-            let shown = table.value(write.index).map(f32::to_bits) == Some(write.value.to_bits());
-            if shown || *now >= write.deadline {
-                outbox.reply(Reply::Parameter(write.index));
-                return false;
+        for place in &mut self.writes {
+            let Some(write) = place else { continue };
+            let value = around.table.value(write.index).map(f32::to_bits);
+            if value == Some(write.value.to_bits()) || around.now >= write.deadline {
+                around.outbox.reply(Reply::Parameter(write.index));
+                *place = None;
             }
-            true
-        });
+        }
     }
 
     /// The next parameter of the list that is being sent.
@@ -218,12 +228,19 @@ impl ParameterService {
     }
 }
 
+/// A refusal for clients that know `PARAM_ERROR`: they do not have to wait or to ask again.
+fn error(to: Address, index: i16, id: [u8; NAME], error: u8) -> Reply {
+    Reply::ParameterError { to, index, id, error }
+}
+
+#[inline(never)]
 fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
     around.outbox.reply(Reply::Parameter(index));
     let name = around
         .table
         .declaration(index)
         .map_or("", |declaration| declaration.name);
+    let name = Plain(name);
     match refusal {
         Refusal::OutOfRange { min, max } => {
             let (min, max) = (Decimal(min), Decimal(max));
@@ -263,24 +280,34 @@ fn following(table: &dyn ParameterTable, last: &str) -> Option<(&'static str, f3
     named.min_by_key(|(name, _)| *name)
 }
 
-/// `PARAM_VALUE` of one parameter.
-pub(crate) fn value_message(table: &dyn ParameterTable, index: u16) -> Option<Message> {
-    Some(Message::of(&PARAM_VALUE_DATA {
-        param_value: table.value(index)?,
-        param_count: table.count(),
-        param_index: index,
-        param_id: table.declaration(index)?.name.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    }))
+/// `PARAM_VALUE` of one parameter; `None` when there is no such one.
+pub(crate) fn value_message(table: &dyn ParameterTable, index: u16, m: &mut Message) -> Option<()> {
+    let (name, value) = (table.declaration(index)?.name, table.value(index)?);
+    let real = MavParamType::MAV_PARAM_TYPE_REAL32;
+    message(table, index, name, value, real, m);
+    Some(())
 }
 
 /// `PARAM_VALUE` of the hash: 32 bits that are no float, and belong to no index.
-pub(crate) fn hash_message(table: &dyn ParameterTable) -> Message {
-    Message::of(&PARAM_VALUE_DATA {
-        param_value: f32::from_bits(hash(table)),
-        param_count: table.count(),
-        param_index: u16::MAX,
-        param_id: HASH.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_UINT32,
-    })
+pub(crate) fn hash_message(table: &dyn ParameterTable, m: &mut Message) {
+    let (hash, bits) = (f32::from_bits(hash(table)), MavParamType::MAV_PARAM_TYPE_UINT32);
+    message(table, u16::MAX, HASH, hash, bits, m);
+}
+
+fn message(
+    table: &dyn ParameterTable,
+    index: u16,
+    name: &str,
+    value: f32,
+    kind: MavParamType,
+    m: &mut Message,
+) {
+    let mut id = [0; NAME];
+    put(&mut id, name.as_bytes());
+    m.start(PARAM_VALUE_DATA::ID)
+        .floats(&[value])
+        .word(table.count())
+        .word(index)
+        .bytes(&id)
+        .byte(kind as u8);
 }

@@ -66,12 +66,12 @@ pub enum Request {
     SetMode(Mode),
     /// Fly the stored mission from an item on.
     StartMission {
-        /// Index of the first item.
+        /// Index of the first item; it may lie beyond the mission.
         first: u16,
     },
     /// Go on with another item of the mission.
     SetCurrentItem {
-        /// Its index.
+        /// Its index; as a command it may lie beyond the mission, and is then to be denied.
         index: u16,
     },
     /// Put home somewhere.
@@ -117,8 +117,8 @@ pub enum Request {
     ResetParameters,
     /// Say what speaks against arming, as lines of text.
     CheckArming,
-    /// From now on only those who have this key are heard: [`crate::Link::set_signing_key`]. To be
-    /// heeded on a trusted channel only, such as USB.
+    /// From now on only those who have this key are heard: [`crate::Signing::set_key`]. To be heeded
+    /// on a trusted channel only, such as USB.
     SetSigningKey {
         /// The key.
         secret: [u8; 32],
@@ -140,6 +140,13 @@ pub struct Ground {
     pub latitude: i32,
     /// WGS84 longitude in 1e-7 degrees.
     pub longitude: i32,
+}
+
+impl Ground {
+    /// Whether there is such a point.
+    pub(crate) fn is_on_earth(self) -> bool {
+        self.latitude.unsigned_abs() <= 900_000_000 && self.longitude.unsigned_abs() <= 1_800_000_000
+    }
 }
 
 /// Which speed.

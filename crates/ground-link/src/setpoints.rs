@@ -3,19 +3,19 @@
 //! They come many times a second and only the newest counts: each waits in a place of its own, not
 //! in the queue of requests.
 
-use mavlink::dialects::common::{
-    MANUAL_CONTROL_DATA, MavFrame, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA,
-    SET_POSITION_TARGET_GLOBAL_INT_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
-};
 use windhover_autopilot::mission::action::Altitude;
 use windhover_math::{Quaternion, Vector3, saturate};
 
 use crate::frame::Address;
-use crate::request::Ground;
+use crate::request::{Ground, Request};
 use crate::scale::set;
 use crate::wire::Payload;
 
-/// Where the two messages of position targets have their frame.
+/// Where the two messages of position targets have their position, motion, mask, target and frame.
+const POSITION: usize = 4;
+const MOTION: usize = 16;
+const MASK: usize = 48;
+const TARGET: usize = 50;
 const FRAME: usize = 52;
 
 /// The number of a stick that is not there.
@@ -112,151 +112,114 @@ pub enum Channel {
 }
 
 /// `SET_POSITION_TARGET_LOCAL_NED`; `None` when it is for another, or in a frame not understood.
-pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
-    let data: SET_POSITION_TARGET_LOCAL_NED_DATA = payload.read_with(&[(FRAME, 1)])?;
-    if !own.is_meant(data.target_system, data.target_component) {
+pub(crate) fn local(payload: Payload<'_>, own: Address) -> Option<Request> {
+    if !payload.is_for(own, TARGET) {
         return None;
     }
-    let mask = data.type_mask.bits();
     let frame = match payload.byte(FRAME) {
         1 => LocalFrame::Ned,
         7 => LocalFrame::OffsetNed,
         8 | 9 | 12 => LocalFrame::Body,
         _ => return None,
     };
-    Some(Setpoint::Local {
+    Some(Request::Offboard(Setpoint::Local {
         frame,
-        position: masked([data.x, data.y, data.z], mask, 0),
-        motion: motion(
-            [data.vx, data.vy, data.vz],
-            [data.afx, data.afy, data.afz],
-            [data.yaw, data.yaw_rate],
-            mask,
-        ),
-    })
+        position: masked(payload.floats(POSITION), payload.word(MASK), 0),
+        motion: motion(payload),
+    }))
 }
 
-/// `SET_POSITION_TARGET_GLOBAL_INT`.
-pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
-    let data: SET_POSITION_TARGET_GLOBAL_INT_DATA = payload.read_with(&[(FRAME, 5)])?;
-    if !own.is_meant(data.target_system, data.target_component) {
+/// `SET_POSITION_TARGET_GLOBAL_INT`; `None` also when it is not on Earth.
+pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Request> {
+    if !payload.is_for(own, TARGET) {
         return None;
     }
-    let mask = data.type_mask.bits();
+    let mask = payload.word(MASK);
     let datum = match payload.byte(FRAME) {
-        frame if frame == MavFrame::MAV_FRAME_GLOBAL as u8 || frame == 5 => Altitude::SeaLevel,
+        0 | 5 => Altitude::SeaLevel,
         3 | 6 => Altitude::Home,
         _ => return None,
     };
     let on_map = mask & 0b11 == 0;
-    Some(Setpoint::Global {
-        ground: on_map.then_some(Ground {
-            latitude: data.lat_int,
-            longitude: data.lon_int,
-        }),
-        altitude: unmasked(data.alt, mask, 2).map(datum),
-        motion: motion(
-            [data.vx, data.vy, data.vz],
-            [data.afx, data.afy, data.afz],
-            [data.yaw, data.yaw_rate],
-            mask,
-        ),
-    })
+    let ground = Ground {
+        latitude: payload.integer(POSITION),
+        longitude: payload.integer(POSITION + 4),
+    };
+    if on_map && !ground.is_on_earth() {
+        return None;
+    }
+    Some(Request::Offboard(Setpoint::Global {
+        ground: on_map.then_some(ground),
+        altitude: unmasked(payload.float(POSITION + 8), mask, 2).map(datum),
+        motion: motion(payload),
+    }))
 }
 
 /// `SET_ATTITUDE_TARGET`.
-pub(crate) fn attitude(payload: Payload<'_>, own: Address) -> Option<Setpoint> {
-    let data: SET_ATTITUDE_TARGET_DATA = payload.read()?;
-    if !own.is_meant(data.target_system, data.target_component) {
+pub(crate) fn attitude(payload: Payload<'_>, own: Address) -> Option<Request> {
+    if !payload.is_for(own, 36) {
         return None;
     }
-    let mask = u16::from(data.type_mask.bits());
-    let [w, x, y, z] = data.q;
+    let mask = u16::from(payload.byte(38));
+    let [w, x, y, z] = payload.floats(4);
     let attitude = Quaternion::new(w, x, y, z);
     let norm = attitude.dot(attitude);
     let is_rotation = norm > 0.8 && norm < 1.2;
-    Some(Setpoint::Attitude {
+    Some(Request::Offboard(Setpoint::Attitude {
         attitude: (mask & 1 << 7 == 0 && is_rotation).then(|| attitude.normalized()),
-        rate: masked(
-            [data.body_roll_rate, data.body_pitch_rate, data.body_yaw_rate],
-            mask,
-            0,
-        ),
-        thrust: unmasked(data.thrust, mask, 6).map(|thrust| thrust.clamp(0.0, 1.0)),
-    })
+        rate: masked(payload.floats(20), mask, 0),
+        thrust: unmasked(payload.float(32), mask, 6).map(|thrust| thrust.clamp(0.0, 1.0)),
+    }))
 }
 
 /// `MANUAL_CONTROL`.
-pub(crate) fn sticks(payload: Payload<'_>, own: Address) -> Option<Sticks> {
-    let data: MANUAL_CONTROL_DATA = payload.read()?;
-    if data.target != own.system {
+pub(crate) fn sticks(payload: Payload<'_>, own: Address) -> Option<Request> {
+    if payload.byte(10) != own.system {
         return None;
     }
-    let stick = |value: i16| (value != NO_STICK).then(|| saturate(f32::from(value) * 1e-3, 1.0));
-    Some(Sticks {
-        pitch: stick(data.x),
-        roll: stick(data.y),
-        throttle: stick(data.z).map(|throttle| throttle.clamp(0.0, 1.0)),
-        yaw: stick(data.r),
-        buttons: data.buttons,
-    })
+    let [pitch, roll, throttle, yaw] = [0, 2, 4, 6].map(|at| {
+        let value = payload.short(at);
+        (value != NO_STICK).then(|| saturate(f32::from(value) * 1e-3, 1.0))
+    });
+    Some(Request::Sticks(Sticks {
+        pitch,
+        roll,
+        throttle: throttle.map(|throttle| throttle.clamp(0.0, 1.0)),
+        yaw,
+        buttons: payload.word(8),
+    }))
 }
 
-/// `RC_CHANNELS_OVERRIDE`.
-pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Channels> {
-    let data: RC_CHANNELS_OVERRIDE_DATA = payload.read()?;
-    if !own.is_meant(data.target_system, data.target_component) {
+/// `RC_CHANNELS_OVERRIDE`: up to channel 8 nothing is 65535 and 0 gives back; beyond, which comes
+/// behind the target, 0 is nothing too and 65534 gives back.
+pub(crate) fn channels(payload: Payload<'_>, own: Address) -> Option<Request> {
+    if !payload.is_for(own, 16) {
         return None;
     }
-    // Up to channel 8 nothing is 65535 and 0 gives back; beyond, 0 is nothing too.
-    let low = |value| match value {
-        u16::MAX => Channel::Keep,
-        0 => Channel::Release,
-        pulse => Channel::Pulse(pulse),
-    };
-    let high = |value| match value {
-        u16::MAX | 0 => Channel::Keep,
-        0xfffe => Channel::Release,
-        pulse => Channel::Pulse(pulse),
-    };
-    let d = &data;
-    let [a, b, c, e, f, g, h, i] = [
-        d.chan1_raw,
-        d.chan2_raw,
-        d.chan3_raw,
-        d.chan4_raw,
-        d.chan5_raw,
-        d.chan6_raw,
-        d.chan7_raw,
-        d.chan8_raw,
-    ]
-    .map(low);
-    let [j, k, l, m, n, o, p, q, r, s] = [
-        d.chan9_raw,
-        d.chan10_raw,
-        d.chan11_raw,
-        d.chan12_raw,
-        d.chan13_raw,
-        d.chan14_raw,
-        d.chan15_raw,
-        d.chan16_raw,
-        d.chan17_raw,
-        d.chan18_raw,
-    ]
-    .map(high);
-    Some(Channels {
-        channels: [a, b, c, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s],
-    })
+    let channels = core::array::from_fn(|number| {
+        let (at, keep, release) = match number {
+            0..8 => (2 * number, u16::MAX, 0),
+            _ => (2 * number + 2, 0, u16::MAX - 1),
+        };
+        match payload.word(at) {
+            u16::MAX => Channel::Keep,
+            value if value == keep => Channel::Keep,
+            value if value == release => Channel::Release,
+            pulse => Channel::Pulse(pulse),
+        }
+    });
+    Some(Request::Channels(Channels { channels }))
 }
 
 /// Velocity, acceleration and heading, as far as the mask does not leave them out.
 #[inline(never)]
-fn motion(velocity: [f32; 3], acceleration: [f32; 3], [heading, rate]: [f32; 2], mask: u16) -> Motion {
+fn motion(payload: Payload<'_>) -> Motion {
+    let mask = payload.word(MASK);
     Motion {
-        velocity: masked(velocity, mask, 3),
-        acceleration: masked(acceleration, forceless(mask), 6),
-        heading: unmasked(heading, mask, 10),
-        heading_rate: unmasked(rate, mask, 11),
+        velocity: masked(payload.floats(MOTION), mask, 3),
+        acceleration: masked(payload.floats(MOTION + 12), forceless(mask), 6),
+        heading: unmasked(payload.float(MOTION + 24), mask, 10),
+        heading_rate: unmasked(payload.float(MOTION + 28), mask, 11),
     }
 }
 

@@ -5,10 +5,10 @@
 //! sender on each of its links: what was sent once is not accepted again. The table of senders is
 //! bounded and never forgets one, so that nothing old is taken for new.
 
-use heapless::Vec;
-use sha2::{Digest, Sha256};
-
 use crate::frame::{Address, Frame, SIGNATURE};
+use crate::scale::divided;
+use crate::sha256::Sha256;
+use heapless::Vec;
 
 /// Senders, each with one of its links, whose time is followed.
 const STREAMS: usize = 16;
@@ -52,28 +52,24 @@ struct Key {
 }
 
 /// Checks and makes signatures; lets everything pass until a key is set.
-#[derive(Clone, Debug)]
+///
+/// There is one for all channels of a vehicle: what was heard on one of them is not accepted again
+/// on another.
+#[derive(Clone, Debug, Default)]
 pub struct Signing {
-    link: u8,
     key: Option<Key>,
     streams: Vec<Stream, STREAMS>,
     refusals: Refusals,
 }
 
 impl Signing {
-    /// Without a key; `link` numbers this channel among those of the vehicle.
-    pub fn new(link: u8) -> Self {
-        Self {
-            link,
-            key: None,
-            streams: Vec::new(),
-            refusals: Refusals::default(),
-        }
-    }
-
     /// From `now` (µs) on only frames signed with this secret are let in. `time` is in 10 µs since
     /// 2015-01-01; it must be later than all that was ever signed with it.
+    /// A secret of nothing but zeros, which everybody knows, is none: it ends signing.
     pub fn set_key(&mut self, secret: [u8; 32], time: u64, now: u64) {
+        if secret == [0; 32] {
+            return self.clear_key();
+        }
         self.streams.clear();
         self.key = Some(Key {
             secret,
@@ -129,16 +125,16 @@ impl Signing {
         false
     }
 
-    /// The signature for a frame that goes out at `now` (µs).
-    pub fn sign(&mut self, covered: &[u8], now: u64) -> [u8; SIGNATURE] {
+    /// The signature for a frame that goes out at `now` (µs) on the channel of that number.
+    pub fn sign(&mut self, covered: &[u8], link: u8, now: u64) -> [u8; SIGNATURE] {
         let mut signature = [0; SIGNATURE];
         let Some(key) = &mut self.key else {
             return signature;
         };
         let time = key.at(now).max(key.last.saturating_add(1));
         key.last = time;
-        let hash = key.hash(covered, self.link, time);
-        let stamp = stamp(self.link, time);
+        let hash = key.hash(covered, link, time);
+        let stamp = stamp(link, time);
         for (to, from) in signature.iter_mut().zip(stamp.iter().chain(&hash)) {
             *to = *from;
         }
@@ -172,7 +168,8 @@ fn admit(streams: &mut Vec<Stream, STREAMS>, sender: Address, link: u8, time: u6
 
 impl Key {
     fn at(&self, now: u64) -> u64 {
-        self.time.saturating_add(now.saturating_sub(self.since) / 10)
+        self.time
+            .saturating_add(divided(now.saturating_sub(self.since), 10))
     }
 
     /// Others may know the time better: ours is never behind one that was accepted.
@@ -184,16 +181,11 @@ impl Key {
     }
 
     fn hash(&self, covered: &[u8], link: u8, time: u64) -> [u8; 6] {
-        let digest = Sha256::new()
-            .chain_update(self.secret)
-            .chain_update(covered)
-            .chain_update(stamp(link, time))
-            .finalize();
-        let mut hash = [0; 6];
-        for (to, from) in hash.iter_mut().zip(digest.iter()) {
-            *to = *from;
-        }
-        hash
+        let mut hash = Sha256::new();
+        hash.update(&self.secret);
+        hash.update(covered);
+        hash.update(&stamp(link, time));
+        hash.first_six()
     }
 }
 
@@ -219,24 +211,33 @@ mod tests {
 
     use std::vec::Vec;
 
+    use sha2::Digest;
+
     use super::*;
     use crate::frame::{MAX_FRAME, Parser, Writer};
 
     const SECRET: [u8; 32] = [7; 32];
     const TIME: u64 = 36_000_000_000_000;
 
-    fn station(link: u8, time: u64) -> Signing {
-        let mut signing = Signing::new(link);
+    /// A sender with its link.
+    struct Sender(Signing, u8);
+
+    fn vehicle(time: u64) -> Signing {
+        let mut signing = Signing::default();
         signing.set_key(SECRET, time, 0);
         signing
     }
 
-    fn frame(signing: Option<&mut Signing>, system: u8, id: u32, now: u64) -> Vec<u8> {
+    fn station(link: u8, time: u64) -> Sender {
+        Sender(vehicle(time), link)
+    }
+
+    fn frame(signing: Option<&mut Sender>, system: u8, id: u32, now: u64) -> Vec<u8> {
         let mut buffer = [0; MAX_FRAME];
         let mut writer = Writer::new(Address { system, component: 1 });
         let length = match signing {
-            Some(signing) => {
-                let mut sign = |bytes: &[u8]| signing.sign(bytes, now);
+            Some(Sender(signing, link)) => {
+                let mut sign = |bytes: &[u8]| signing.sign(bytes, *link, now);
                 writer.write(&mut buffer, id, &[1, 2, 3], Some(&mut sign))
             }
             None => writer.write(&mut buffer, id, &[1, 2, 3], None),
@@ -261,12 +262,12 @@ mod tests {
         let mut all = SECRET.to_vec();
         all.extend(covered);
         all.extend(&signature[..7]);
-        assert_eq!(&signature[7..], &Sha256::digest(&all)[..6]);
+        assert_eq!(&signature[7..], &sha2::Sha256::digest(&all)[..6]);
     }
 
     #[test]
     fn everything_passes_without_a_key() {
-        let mut vehicle = Signing::new(0);
+        let mut vehicle = Signing::default();
         assert!(accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
         assert!(accepts(
             &mut vehicle,
@@ -278,7 +279,7 @@ mod tests {
 
     #[test]
     fn with_a_key_only_signed_frames_and_heartbeats_pass() {
-        let mut vehicle = station(0, TIME);
+        let mut vehicle = vehicle(TIME);
         assert!(!accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
         assert!(accepts(&mut vehicle, &frame(None, 255, 0, 0), 0));
         assert!(accepts(&mut vehicle, &frame(None, 51, 109, 0), 0));
@@ -287,8 +288,8 @@ mod tests {
             &frame(Some(&mut station(1, TIME)), 255, 76, 0),
             0
         ));
-        let mut stranger = Signing::new(1);
-        stranger.set_key([8; 32], TIME, 0);
+        let mut stranger = station(1, TIME);
+        stranger.0.set_key([8; 32], TIME, 0);
         assert!(!accepts(&mut vehicle, &frame(Some(&mut stranger), 255, 76, 0), 0));
         let refusals = Refusals {
             unsigned: 1,
@@ -296,13 +297,14 @@ mod tests {
             ..Refusals::default()
         };
         assert_eq!(vehicle.refusals(), refusals);
-        vehicle.clear_key();
+        vehicle.set_key([0; 32], TIME, 0);
+        assert!(!vehicle.is_on());
         assert!(accepts(&mut vehicle, &frame(None, 255, 76, 0), 0));
     }
 
     #[test]
     fn what_was_accepted_once_is_refused_again_on_each_link_for_itself() {
-        let mut vehicle = station(0, TIME);
+        let mut vehicle = vehicle(TIME);
         let mut sender = station(1, TIME);
         let (old, new) = (
             frame(Some(&mut sender), 255, 76, 0),
@@ -320,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_new_sender_may_be_behind_by_a_minute_and_ours_catches_up_with_one_ahead() {
-        let mut vehicle = station(0, TIME);
+        let mut vehicle = vehicle(TIME);
         let late = frame(Some(&mut station(1, TIME - 6_100_000)), 255, 76, 0);
         assert!(!accepts(&mut vehicle, &late, 0));
         let just = frame(Some(&mut station(1, TIME - 5_900_000)), 255, 76, 0);
@@ -332,7 +334,7 @@ mod tests {
 
     #[test]
     fn the_table_is_bounded_and_forgets_nobody() {
-        let mut vehicle = station(0, TIME);
+        let mut vehicle = vehicle(TIME);
         let first = frame(Some(&mut station(1, TIME)), 1, 76, 0);
         assert!(accepts(&mut vehicle, &first, 0));
         for system in 2..=40 {

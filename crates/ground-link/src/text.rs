@@ -3,20 +3,21 @@
 use core::fmt::{self, Write};
 
 use heapless::{Deque, String};
-use mavlink::dialects::common::{MavSeverity, STATUSTEXT_DATA};
+use mavlink::MessageData;
+use mavlink::dialects::common::STATUSTEXT_DATA;
 
 use crate::wire::Message;
 
-/// The longest line.
-const LINE: usize = 150;
+/// The longest line: two parts and a bit. A reason in an error should not be larger than this.
+const LINE: usize = 104;
 
 /// Lines that wait.
-const LINES: usize = 6;
+const LINES: usize = 8;
 
 /// Bytes of a line in one message.
 const PART: usize = 50;
 
-/// How bad it is (`MAV_SEVERITY`).
+/// How bad it is (`MAV_SEVERITY`, with its numbers).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The vehicle is unusable.
@@ -37,26 +38,11 @@ pub enum Severity {
     Debug,
 }
 
-impl Severity {
-    fn wire(self) -> MavSeverity {
-        match self {
-            Self::Emergency => MavSeverity::MAV_SEVERITY_EMERGENCY,
-            Self::Alert => MavSeverity::MAV_SEVERITY_ALERT,
-            Self::Critical => MavSeverity::MAV_SEVERITY_CRITICAL,
-            Self::Error => MavSeverity::MAV_SEVERITY_ERROR,
-            Self::Warning => MavSeverity::MAV_SEVERITY_WARNING,
-            Self::Notice => MavSeverity::MAV_SEVERITY_NOTICE,
-            Self::Info => MavSeverity::MAV_SEVERITY_INFO,
-            Self::Debug => MavSeverity::MAV_SEVERITY_DEBUG,
-        }
-    }
-}
-
 /// A line of text of at most so many bytes, that ends where it is full.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Line<const LENGTH: usize = LINE>(String<LENGTH>);
+pub struct Line(String<LINE>);
 
-impl<const LENGTH: usize> Line<LENGTH> {
+impl Line {
     /// What `text` says, as far as it fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
         let mut line = Self::default();
@@ -70,12 +56,46 @@ impl<const LENGTH: usize> Line<LENGTH> {
     }
 }
 
-impl<const LENGTH: usize> Write for Line<LENGTH> {
+impl Write for Line {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        for letter in text.chars() {
-            self.0.push(letter).map_err(|_| fmt::Error)?;
+        let fits = text.floor_char_boundary(LINE - self.0.len());
+        let (fitting, rest) = text.split_at_checked(fits).unwrap_or_default();
+        let taken = self.0.push_str(fitting);
+        if rest.is_empty() {
+            taken.map_err(|_| fmt::Error)
+        } else {
+            Err(fmt::Error)
         }
-        Ok(())
+    }
+}
+
+/// A text inside another one, as it is: the standard way pads it, and takes more flash.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain<'a>(pub &'a str);
+
+impl fmt::Display for Plain<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+/// A whole number as text, for the same reason.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole(pub u32);
+
+impl fmt::Display for Whole {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mut digits, mut rest, mut start) = ([0; 10], self.0, 10);
+        for place in digits.iter_mut().rev() {
+            *place = b'0' + (rest % 10) as u8;
+            rest /= 10;
+            start -= 1;
+            if rest == 0 {
+                break;
+            }
+        }
+        let digits = digits.get(start..).unwrap_or_default();
+        f.write_str(core::str::from_utf8(digits).unwrap_or_default())
     }
 }
 
@@ -99,14 +119,14 @@ impl fmt::Display for Decimal {
         if self.0 < 0.0 && (whole, rest) != (0, 0) {
             f.write_str("-")?;
         }
-        write!(f, "{whole}")?;
+        Whole(whole).fmt(f)?;
         if rest == 0 {
             return Ok(());
         }
         f.write_str(".")?;
         let mut place = 1_000;
         while rest != 0 && place != 0 {
-            write!(f, "{}", rest / place)?;
+            Whole(rest / place).fmt(f)?;
             rest %= place;
             place /= 10;
         }
@@ -114,7 +134,7 @@ impl fmt::Display for Decimal {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Waiting {
     severity: Severity,
     line: Line,
@@ -131,10 +151,15 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// Puts a line at the end; when there is no room, it is counted.
+    /// Puts a line at the end, unless the same waits already: whoever asks the same again and again
+    /// must not crowd out what others are told. When there is no room, it is counted.
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         let line = Line::new(text);
-        if self.lines.push_back(Waiting { severity, line }).is_err() {
+        let waiting = Waiting { severity, line };
+        if self.lines.iter().any(|other| *other == waiting) {
+            return;
+        }
+        if self.lines.push_back(waiting).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }
@@ -145,7 +170,7 @@ impl Texts {
     }
 
     /// The next part to be sent.
-    pub(crate) fn next(&mut self) -> Option<Message> {
+    pub(crate) fn next(&mut self, m: &mut Message) -> Option<()> {
         let waiting = self.lines.front()?;
         let text = waiting.line.as_str().as_bytes();
         let from = usize::from(self.part) * PART;
@@ -153,12 +178,11 @@ impl Texts {
         let mut part = [0; PART];
         crate::frame::put(&mut part, rest);
         let alone = text.len() <= PART;
-        let message = STATUSTEXT_DATA {
-            severity: waiting.severity.wire(),
-            text: part.into(),
-            id: if alone { 0 } else { self.line.saturating_add(1) },
-            chunk_seq: self.part,
-        };
+        m.start(STATUSTEXT_DATA::ID)
+            .byte(waiting.severity as u8)
+            .bytes(&part)
+            .word(if alone { 0 } else { self.line.saturating_add(1) })
+            .byte(self.part);
         // A part that is not full is the last one: a line that fills its parts needs one more.
         if alone || rest.len() < PART {
             self.lines.pop_front();
@@ -167,7 +191,7 @@ impl Texts {
         } else {
             self.part += 1;
         }
-        Some(Message::of(&message))
+        Some(())
     }
 }
 
@@ -179,13 +203,16 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
+    use mavlink::{MavlinkVersion, MessageData};
+
     use super::*;
-    use crate::wire::Payload;
 
     fn parts(texts: &mut Texts) -> Vec<(u16, u8, String)> {
-        core::iter::from_fn(|| texts.next())
+        let mut message = Message::empty();
+        core::iter::from_fn(|| texts.next(&mut message).map(|()| message))
             .map(|message| {
-                let data: STATUSTEXT_DATA = Payload(message.payload()).read().unwrap();
+                let data: STATUSTEXT_DATA =
+                    STATUSTEXT_DATA::deser(MavlinkVersion::V2, message.payload()).unwrap();
                 let text: Vec<u8> = data.text.iter().copied().take_while(|byte| *byte != 0).collect();
                 (data.id, data.chunk_seq, String::from_utf8(text).unwrap())
             })
@@ -207,7 +234,7 @@ mod tests {
         let long = [
             (2, 0, 50),
             (2, 1, 50),
-            (2, 2, 20),
+            (2, 2, 4),
             (3, 0, 50),
             (3, 1, 50),
             (3, 2, 0),
@@ -218,11 +245,19 @@ mod tests {
     #[test]
     fn a_line_too_long_is_cut_and_too_many_are_counted() {
         let mut texts = Texts::default();
-        for _ in 0..LINES + 3 {
-            texts.say(Severity::Info, format_args!("{:ä<300}", ""));
+        for number in 0..LINES + 3 {
+            texts.say(Severity::Info, format_args!("{number} {:ä<300}", ""));
+            texts.say(Severity::Info, format_args!("0 {:ä<300}", ""));
         }
         assert_eq!(texts.dropped(), 3);
-        assert_eq!(<Line>::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+        assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
+    }
+
+    #[test]
+    fn whole_numbers_have_all_their_digits() {
+        for number in [0, 7, 10, 99, 100, 4_294_967_295] {
+            assert_eq!(format!("{}", Whole(number)), format!("{number}"));
+        }
     }
 
     #[test]

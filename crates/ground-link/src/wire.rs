@@ -1,63 +1,72 @@
-//! Payloads: the crate `mavlink`'s types, read and written.
+//! Payloads: read and written field by field.
 //!
-//! The crate refuses a message whose enumerations hold a number that it does not know. Here such a
-//! number must be answered, not ignored: it is read beside the message, and the message is read
-//! with a number in its place that the crate knows.
+//! Fields have their places by `common.xml`: those of a message are ordered by their size, and
+//! extensions follow as they are listed. The crate `mavlink`'s types would refuse a message whose
+//! enumerations hold a number that they do not know; here such a number must be answered, not
+//! ignored. They take much more flash as well. The tests send and read by the crate's types, so
+//! that a wrong place shows.
 
-use mavlink::dialects::common::{MavCmd, MavFrame};
-use mavlink::{MavlinkVersion, MessageData};
-
-use crate::frame::{MAX_PAYLOAD, put};
-
-/// A number that the crate knows as a command: a waypoint.
-const SOME_COMMAND: [u8; 2] = (MavCmd::MAV_CMD_NAV_WAYPOINT as u16).to_le_bytes();
-
-/// A number that the crate knows as a frame: global.
-const SOME_FRAME: u8 = MavFrame::MAV_FRAME_GLOBAL as u8;
+use crate::frame::{Address, MAX_PAYLOAD, put};
 
 /// A payload as it came.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Payload<'a>(pub &'a [u8]);
 
 impl Payload<'_> {
-    /// The message, if all its numbers are known.
-    pub fn read<M: MessageData>(self) -> Option<M> {
-        M::deser(MavlinkVersion::V2, self.0).ok()
-    }
-
-    /// The message with other bytes in some places.
-    pub fn read_with<M: MessageData>(self, bytes: &[(usize, u8)]) -> Option<M> {
-        M::deser(MavlinkVersion::V2, &self.patched(bytes)).ok()
-    }
-
-    /// A copy with other bytes in some places.
-    #[inline(never)]
-    fn patched(self, bytes: &[(usize, u8)]) -> [u8; MAX_PAYLOAD] {
-        let mut copy = [0; MAX_PAYLOAD];
-        put(&mut copy, self.0);
-        for (at, byte) in bytes {
-            if let Some(place) = copy.get_mut(*at) {
-                *place = *byte;
-            }
-        }
-        copy
-    }
-
-    /// The message, read with a known command in this place, and perhaps a known frame in that.
-    pub fn read_command<M: MessageData>(self, command: usize, frame: Option<usize>) -> Option<M> {
-        let [low, high] = SOME_COMMAND;
-        let frame = (frame.unwrap_or(MAX_PAYLOAD), SOME_FRAME);
-        self.read_with(&[(command, low), (command + 1, high), frame])
-    }
-
     /// The byte in a place: 0 where zeros were left out.
+    #[inline(never)]
     pub fn byte(self, at: usize) -> u8 {
         self.0.get(at).copied().unwrap_or_default()
     }
 
+    /// So many bytes from a place on.
+    pub fn bytes<const N: usize>(self, at: usize) -> [u8; N] {
+        core::array::from_fn(|offset| self.byte(at + offset))
+    }
+
     /// The two bytes from a place on, lowest first.
+    #[inline(never)]
     pub fn word(self, at: usize) -> u16 {
-        u16::from_le_bytes([self.byte(at), self.byte(at + 1)])
+        u16::from_le_bytes(self.bytes(at))
+    }
+
+    /// The same, with a sign.
+    pub fn short(self, at: usize) -> i16 {
+        self.word(at).cast_signed()
+    }
+
+    /// The four bytes from a place on.
+    #[inline(never)]
+    pub fn long(self, at: usize) -> u32 {
+        u32::from_le_bytes(self.bytes(at))
+    }
+
+    /// The same, with a sign.
+    pub fn integer(self, at: usize) -> i32 {
+        self.long(at).cast_signed()
+    }
+
+    /// The eight bytes from a place on.
+    #[inline(never)]
+    pub fn huge(self, at: usize) -> u64 {
+        u64::from(self.long(at)) | u64::from(self.long(at + 4)) << 32
+    }
+
+    /// The float in a place, bit for bit.
+    pub fn float(self, at: usize) -> f32 {
+        f32::from_bits(self.long(at))
+    }
+
+    /// Floats in a row.
+    #[inline(never)]
+    pub fn floats<const N: usize>(self, at: usize) -> [f32; N] {
+        core::array::from_fn(|number| self.float(at + 4 * number))
+    }
+
+    /// Whether the target, a system and a component from a place on, is this address.
+    #[inline(never)]
+    pub fn is_for(self, own: Address, at: usize) -> bool {
+        own.is_meant(self.byte(at), self.byte(at + 1))
     }
 }
 
@@ -68,7 +77,7 @@ pub(crate) fn text(bytes: &[u8]) -> &str {
     core::str::from_utf8(used).unwrap_or_default()
 }
 
-/// A message to be sent.
+/// A message to be sent, written field by field in the order of the wire.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Message {
     /// Its number.
@@ -78,34 +87,91 @@ pub(crate) struct Message {
 }
 
 impl Message {
-    /// The message as the crate writes it.
-    pub fn of<M: MessageData>(message: &M) -> Self {
-        let mut bytes = [0; MAX_PAYLOAD];
-        // The length that comes back leaves out zeros; a byte may still be set there.
-        message.ser(MavlinkVersion::V2, &mut bytes);
+    /// Nothing yet.
+    pub const fn empty() -> Self {
         Self {
-            id: M::ID,
-            bytes,
-            length: M::ENCODED_LEN,
+            id: 0,
+            bytes: [0; MAX_PAYLOAD],
+            length: 0,
         }
     }
 
-    /// The same with another byte in a place.
+    /// Starts anew, with this number.
     #[inline(never)]
-    pub fn with_byte(mut self, at: usize, byte: u8) -> Self {
-        if let Some(place) = self.bytes.get_mut(at) {
-            *place = byte;
+    pub fn start(&mut self, id: u32) -> &mut Self {
+        self.id = id;
+        self.length = 0;
+        self
+    }
+
+    /// Puts bytes at the end; what does not fit is left out.
+    #[inline(never)]
+    pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+        let room = self.bytes.get_mut(self.length..).unwrap_or_default();
+        self.length += room.len().min(bytes.len());
+        put(room, bytes);
+        self
+    }
+
+    /// A byte.
+    #[inline(never)]
+    pub fn byte(&mut self, byte: u8) -> &mut Self {
+        self.bytes(&[byte])
+    }
+
+    /// Two bytes.
+    #[inline(never)]
+    pub fn word(&mut self, word: u16) -> &mut Self {
+        self.bytes(&word.to_le_bytes())
+    }
+
+    /// The same, with a sign.
+    pub fn short(&mut self, short: i16) -> &mut Self {
+        self.word(short.cast_unsigned())
+    }
+
+    /// Four bytes.
+    #[inline(never)]
+    pub fn long(&mut self, long: u32) -> &mut Self {
+        self.bytes(&long.to_le_bytes())
+    }
+
+    /// The same, with a sign.
+    pub fn integer(&mut self, integer: i32) -> &mut Self {
+        self.long(integer.cast_unsigned())
+    }
+
+    /// Eight bytes.
+    #[inline(never)]
+    pub fn huge(&mut self, huge: u64) -> &mut Self {
+        self.bytes(&huge.to_le_bytes())
+    }
+
+    /// Floats in a row, bit for bit.
+    #[inline(never)]
+    pub fn floats(&mut self, floats: &[f32]) -> &mut Self {
+        for float in floats {
+            self.long(float.to_bits());
         }
         self
     }
 
-    /// The same with two other bytes from a place on.
-    pub fn with_word(self, at: usize, word: u16) -> Self {
-        let [low, high] = word.to_le_bytes();
-        self.with_byte(at, low).with_byte(at + 1, high)
+    /// Fields that are not told: so many bytes of zero.
+    #[inline(never)]
+    pub fn zeros(&mut self, count: usize) -> &mut Self {
+        for _ in 0..count {
+            self.byte(0);
+        }
+        self
     }
 
-    /// Its bytes, zeros at the end included.
+    /// An address as a target.
+    #[inline(never)]
+    pub fn target(&mut self, to: Address) -> &mut Self {
+        self.byte(to.system).byte(to.component)
+    }
+
+    /// What was written.
     pub fn payload(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or(&self.bytes)
     }
@@ -113,37 +179,38 @@ impl Message {
 
 #[cfg(test)]
 mod tests {
-    use mavlink::dialects::common::{COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavMissionType};
-
     use super::*;
 
-    /// Extension fields are really there, both ways.
     #[test]
-    fn the_type_of_a_mission_is_written_and_read() {
-        let sent = MISSION_COUNT_DATA {
-            count: 3,
-            mission_type: MavMissionType::MAV_MISSION_TYPE_RALLY,
-            ..MISSION_COUNT_DATA::DEFAULT
-        };
-        let message = Message::of(&sent);
-        assert_eq!(message.payload(), &[3, 0, 0, 0, 2, 0, 0, 0, 0]);
-        let payload = Payload(message.payload());
-        assert_eq!(payload.read::<MISSION_COUNT_DATA>(), Some(sent));
-        assert_eq!(payload.byte(4), 2);
+    fn fields_are_written_in_order_and_no_further_than_there_is_room() {
+        let mut message = Message::empty();
+        message
+            .start(1)
+            .word(0x0201)
+            .short(-1)
+            .integer(-2)
+            .floats(&[1.0])
+            .zeros(1)
+            .byte(9);
+        let expected = [1, 2, 0xff, 0xff, 0xfe, 0xff, 0xff, 0xff, 0, 0, 0x80, 0x3f, 0, 9];
+        assert_eq!(message.payload(), expected);
+        message.start(2).zeros(250).huge(u64::MAX);
+        assert_eq!((message.payload().len(), message.payload()[254]), (255, 0xff));
+        assert_eq!((message.id, message.start(3).payload().len()), (2, 0));
     }
-
     #[test]
-    fn a_command_that_the_crate_does_not_know_is_read_all_the_same() {
-        let message = Message::of(&COMMAND_LONG_DATA {
-            param1: 2.5,
-            ..COMMAND_LONG_DATA::DEFAULT
-        });
-        let message = message.with_word(28, 60_123);
-        let payload = Payload(message.payload());
-        assert_eq!(payload.read::<COMMAND_LONG_DATA>(), None);
-        let read = payload.read_command::<COMMAND_LONG_DATA>(28, None);
-        assert_eq!(read.map(|read| read.param1), Some(2.5));
-        assert_eq!(payload.word(28), 60_123);
-        assert_eq!((payload.byte(200), payload.word(32)), (0, 0));
+    fn fields_are_read_lowest_byte_first_and_zeros_beyond_the_end() {
+        let payload = Payload(&[1, 2, 3, 0x80, 0xff, 0xff, 0, 0, 0x80, 0x3f]);
+        assert_eq!((payload.byte(1), payload.word(1)), (2, 0x0302));
+        assert_eq!(
+            (payload.short(4), payload.integer(0)),
+            (-1, 0x8003_0201_u32.cast_signed())
+        );
+        assert_eq!(payload.huge(2), 0x3f80_0000_ffff_8003);
+        assert_eq!(payload.floats::<2>(6), [1.0, 0.0]);
+        assert_eq!(
+            (payload.byte(200), payload.word(9), payload.long(usize::MAX - 8)),
+            (0, 0x3f, 0)
+        );
     }
 }

@@ -11,6 +11,7 @@ use windhover_autopilot::mission::action::{Altitude, Place};
 use windhover_ground_link::{Calibration, CommandResult, Config, Ground, Identity, Mode, Request, SpeedKind};
 
 const N: f32 = NAN;
+const PI: f32 = std::f32::consts::PI;
 
 /// What a command asks of the vehicle.
 fn meant(command: Cmd, params: [f32; 7]) -> Option<Request> {
@@ -152,6 +153,33 @@ fn every_command_becomes_its_request() {
         ),
         (Cmd::MAV_CMD_DO_SET_ROI_NONE, [N; 7], Request::LookAt(None)),
         (
+            Cmd::MAV_CMD_NAV_LOITER_UNLIM,
+            [N, N, N, 180.0, 47.5, 8.25, 510.0],
+            reposition(
+                Some((475_000_000, 82_500_000)),
+                Some(Altitude::SeaLevel(510.0)),
+                Some(PI),
+            ),
+        ),
+        // A heading of many turns, and an altitude whose square is no float.
+        (
+            Cmd::MAV_CMD_DO_REPOSITION,
+            [-1.0, 1.0, 0.0, 1e30, 47.5, 8.25, 3e38],
+            reposition(
+                Some((475_000_000, 82_500_000)),
+                Some(Altitude::SeaLevel(1e9)),
+                Some(0.0),
+            ),
+        ),
+        (
+            Cmd::MAV_CMD_DO_CHANGE_SPEED,
+            [1.0, -2.0, -1.0, N, N, N, N],
+            Request::ChangeSpeed {
+                kind: SpeedKind::Ground,
+                speed: None,
+            },
+        ),
+        (
             Cmd::MAV_CMD_IMAGE_START_CAPTURE,
             [0.0, 0.0, 1.0, N, N, N, N],
             Request::TakePhotos {
@@ -165,6 +193,18 @@ fn every_command_becomes_its_request() {
             [12.5, 0.0, 0.0, N, N, N, N],
             Request::PhotosByDistance { distance: 12.5 },
         ),
+        // With a distance it is more than one photo.
+        (
+            Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+            [12.5, 0.0, 1.0, N, N, N, N],
+            Request::PhotosByDistance { distance: 12.5 },
+        ),
+        (
+            Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+            [0.0, 0.0, 1.0, N, N, N, N],
+            ONE_PHOTO,
+        ),
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [N; 7], ONE_PHOTO),
         (
             Cmd::MAV_CMD_PREFLIGHT_CALIBRATION,
             [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -209,6 +249,35 @@ fn every_command_becomes_its_request() {
     }
 }
 
+const ONE_PHOTO: Request = Request::TakePhotos {
+    interval: 0.0,
+    count: 1,
+};
+
+/// "No change" of the speed is no reason to fly at another one.
+#[test]
+fn a_speed_that_is_not_to_change_does_not() {
+    for speed in [-1.0, N] {
+        let mut bench = Bench::new();
+        let result = bench.result(Cmd::MAV_CMD_DO_CHANGE_SPEED, [1.0, speed, 50.0, N, N, N, N]);
+        assert_eq!(result, R::MAV_RESULT_ACCEPTED);
+        assert!(bench.vehicle.orders.is_empty());
+    }
+}
+
+/// What is not calibrated here must not end a calibration that is.
+#[test]
+fn calibrations_of_parts_that_there_are_not_are_unsupported() {
+    for (number, value) in [(0, 3.0), (3, 2.0), (4, 9.0), (5, 1.0), (5, 2.0), (6, 1.0)] {
+        let mut params = [0.0; 7];
+        params[number] = value;
+        let mut bench = Bench::new();
+        let result = bench.result(Cmd::MAV_CMD_PREFLIGHT_CALIBRATION, params);
+        assert_eq!(result, R::MAV_RESULT_UNSUPPORTED, "{number} {value}");
+        assert!(bench.vehicle.orders.is_empty());
+    }
+}
+
 #[test]
 fn what_cannot_be_meant_is_denied() {
     for (command, params) in [
@@ -225,6 +294,18 @@ fn what_cannot_be_meant_is_denied() {
             [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         ),
         (Cmd::MAV_CMD_DO_SET_HOME, [0.0, N, N, N, N, N, N]),
+        (Cmd::MAV_CMD_DO_PAUSE_CONTINUE, [2.0, N, N, N, N, N, N]),
+        (Cmd::MAV_CMD_DO_FLIGHTTERMINATION, [0.0, N, N, N, N, N, N]),
+        // Places that are none: to be flown to no other one instead.
+        (
+            Cmd::MAV_CMD_DO_REPOSITION,
+            [-1.0, 1.0, 0.0, N, 147.5, 8.25, 510.0],
+        ),
+        (Cmd::MAV_CMD_NAV_LAND, [N, N, N, N, 47.5, 1e9, N]),
+        (Cmd::MAV_CMD_NAV_LOITER_UNLIM, [N, N, N, N, -91.0, 8.0, N]),
+        // Photos without time between them.
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 0.0, 0.0, N, N, N, N]),
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 0.0, 5.0, N, N, N, N]),
     ] {
         let mut bench = Bench::new();
         let result = bench.result(command, params);
@@ -263,6 +344,22 @@ fn a_place_as_integers_keeps_every_digit_and_its_frame() {
         assert_eq!((acks.len(), acks[0].result), (1, R::MAV_RESULT_ACCEPTED));
         let request = reposition(Some((473_977_419, -85_455_939)), Some(altitude), Some(0.5));
         assert_eq!(bench.vehicle.requests(), [request]);
+    }
+    // Metres in a local frame are no degrees.
+    for command in [
+        Cmd::MAV_CMD_DO_REPOSITION,
+        Cmd::MAV_CMD_NAV_LAND,
+        Cmd::MAV_CMD_NAV_LOITER_UNLIM,
+        Cmd::MAV_CMD_DO_SET_ROI_LOCATION,
+    ] {
+        let mut bench = Bench::new();
+        let local = COMMAND_INT_DATA {
+            command,
+            ..goto(10, 20, -30.0, MavFrame::MAV_FRAME_LOCAL_NED)
+        };
+        let acks: Vec<COMMAND_ACK_DATA> = all(&bench.ask(&local));
+        assert_eq!(acks[0].result, R::MAV_RESULT_COMMAND_UNSUPPORTED_MAV_FRAME);
+        assert!(bench.vehicle.orders.is_empty());
     }
     let mut bench = Bench::new();
     let terrain = goto(1, 2, 3.0, MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT);
@@ -421,4 +518,53 @@ fn when_the_queue_is_full_a_command_is_rejected_for_now() {
         bench.result(Cmd::MAV_CMD_DO_WINCH, [N; 7]),
         R::MAV_RESULT_UNSUPPORTED
     );
+}
+
+/// A narrow channel that owes answers to a flood of other questions: within 100 ms all the same.
+#[test]
+fn a_flood_of_questions_does_not_hold_up_an_acknowledgement() {
+    let config = Config {
+        bandwidth: 2_000,
+        ..Config::default()
+    };
+    let mut bench = Bench::with(Vehicle::with(config));
+    for index in 0..200 {
+        let read = PARAM_REQUEST_READ_DATA {
+            param_index: index % 100,
+            target_system: 1,
+            target_component: 1,
+            ..PARAM_REQUEST_READ_DATA::DEFAULT
+        };
+        let frame = bench.station.frame(&read);
+        bench.vehicle.receive(&frame, bench.now);
+    }
+    for _ in 0..5 {
+        let frame = bench.station.frame(&long(Cmd::MAV_CMD_DO_WINCH, [N; 7]));
+        bench.vehicle.receive(&frame, bench.now);
+    }
+    let acks: Vec<COMMAND_ACK_DATA> = all(&bench.run(STEP));
+    assert_eq!(acks.len(), 5);
+    assert!(
+        bench.vehicle.link.counters().dropped.replies > 100,
+        "the flood is counted"
+    );
+}
+
+/// Noise that looks like the start of a long frame of MAVLink 1.
+#[test]
+fn noise_before_a_command_does_not_hold_up_its_acknowledgement() {
+    let noise = [0xfe, 255, 0, 1, 1, 76, 1, 2, 3];
+    let mut bench = Bench::new();
+    let mut bytes = noise.to_vec();
+    bytes.extend(bench.station.frame(&long(Cmd::MAV_CMD_DO_WINCH, [N; 7])));
+    bench.vehicle.receive(&bytes, bench.now);
+    assert_eq!(
+        all::<COMMAND_ACK_DATA>(&bench.run(100_000)).len(),
+        1,
+        "on a stream"
+    );
+    bench.vehicle.receive_packet(&noise, bench.now);
+    let frame = bench.station.frame(&long(Cmd::MAV_CMD_DO_WINCH, [N; 7]));
+    bench.vehicle.receive_packet(&frame, bench.now);
+    assert_eq!(all::<COMMAND_ACK_DATA>(&bench.run(STEP)).len(), 1, "in packets");
 }

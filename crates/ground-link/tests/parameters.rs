@@ -5,7 +5,8 @@ mod common;
 use common::*;
 use mavlink::dialects::common::*;
 use windhover_autopilot::Parameters;
-use windhover_ground_link::{Config, ParameterTable, Request};
+use windhover_ground_link::parameters::{Appended, QGROUNDCONTROL};
+use windhover_ground_link::{Config, Context, Link, ParameterTable, Request, Signing, Telemetry};
 
 fn set(name: &str, value: f32) -> PARAM_SET_DATA {
     PARAM_SET_DATA {
@@ -83,7 +84,19 @@ fn one_is_read_by_name_and_by_index() {
         read("", -2),
         read("MOT_IDL", -1),
     ] {
-        assert!(all::<PARAM_VALUE_DATA>(&bench.ask(&asked)).is_empty());
+        let seen = bench.ask(&asked);
+        assert!(all::<PARAM_VALUE_DATA>(&seen).is_empty());
+        let errors: Vec<PARAM_ERROR_DATA> = all(&seen);
+        assert_eq!(errors.len(), 1, "no silence");
+        assert_eq!(
+            (errors[0].param_index, errors[0].param_id, errors[0].error),
+            (
+                asked.param_index,
+                asked.param_id,
+                MavParamError::MAV_PARAM_ERROR_DOES_NOT_EXIST
+            )
+        );
+        assert_eq!(errors[0].target_system, 255);
     }
 }
 
@@ -190,4 +203,60 @@ fn the_hash_is_the_one_that_clients_compute_over_what_they_know() {
     let rest = bench.run(20_000_000);
     let got = all::<PARAM_VALUE_DATA>(&after).len() + all::<PARAM_VALUE_DATA>(&rest).len();
     assert!(got < 5, "{got} more");
+}
+
+/// What QGroundControl only asks for follows the core's table, and keeps its value.
+#[test]
+fn constants_are_listed_found_and_never_written() {
+    let own = Parameters::default();
+    let table = Appended {
+        table: &own,
+        constants: QGROUNDCONTROL,
+    };
+    for constant in QGROUNDCONTROL {
+        assert_eq!(
+            Parameters::find(constant.name),
+            None,
+            "{} is the core's",
+            constant.name
+        );
+        assert!(constant.name.len() <= 16);
+    }
+    assert_eq!(
+        usize::from(table.count()),
+        Parameters::COUNT + QGROUNDCONTROL.len()
+    );
+    assert_eq!(table.declaration(table.count()), None);
+    let mut link = Link::new(Config {
+        bandwidth: 1_000_000,
+        ..Config::default()
+    });
+    let (telemetry, mut store, mut signing) = (Telemetry::default(), Store::default(), Signing::default());
+    let mut station = Station::new(255);
+    let mut ask = |frame: &[u8], station: &mut Station| {
+        let mut context = Context {
+            telemetry: &telemetry,
+            parameters: &table,
+            plans: &mut store,
+            signing: &mut signing,
+        };
+        link.receive(frame, 0, &mut context);
+        assert_eq!(link.next_request(), None);
+        let mut frames = Vec::new();
+        for now in 0..100 {
+            link.poll(now * STEP, &mut context, &mut |frame| frames.push(frame.to_vec()));
+        }
+        station.read(&frames)
+    };
+    let frame = station.frame(&LIST);
+    let values: Vec<PARAM_VALUE_DATA> = all(&ask(&frame, &mut station));
+    assert_eq!(values.len(), usize::from(table.count()));
+    let frame = station.frame(&set("SYS_AUTOSTART", 1.0));
+    let seen = ask(&frame, &mut station);
+    let values: Vec<PARAM_VALUE_DATA> = all(&seen);
+    let last = usize::from(values[0].param_index);
+    assert_eq!((values[0].param_value, last >= Parameters::COUNT), (4001.0, true));
+    assert_eq!(texts(&seen), ["SYS_AUTOSTART: the range is 4001 to 4001"]);
+    let frame = station.frame(&set("SYS_AUTOSTART", 4001.0));
+    assert_eq!(all::<PARAM_VALUE_DATA>(&ask(&frame, &mut station)).len(), 1);
 }

@@ -6,8 +6,9 @@ mod common;
 use common::*;
 use mavlink::MessageData;
 use mavlink::dialects::common::*;
+use windhover_ground_link::frame::{MAX_FRAME, Writer};
 use windhover_ground_link::telemetry::{Battery, Charge, Fix, Gnss, Health, Landed, Part};
-use windhover_ground_link::{Link, Mode, Photo, Severity, Telemetry};
+use windhover_ground_link::{Config, Link, Mode, Photo, Severity, Signing, Telemetry};
 use windhover_math::geodesy::GlobalPosition;
 use windhover_math::{Quaternion, Vector3};
 
@@ -213,7 +214,12 @@ fn what_is_not_known_is_said_to_be_unknown_or_not_sent() {
 
 #[test]
 fn the_version_has_the_capabilities_that_clients_look_for() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::with(Vehicle::with(Config {
+        bandwidth: 1_000_000,
+        uid: 77,
+        version: *b"0.1.0-rc",
+        ..Config::default()
+    }));
     let version: AUTOPILOT_VERSION_DATA = one(&mut bench);
     type Bit = MavProtocolCapability;
     let needed = Bit::MAV_PROTOCOL_CAPABILITY_MISSION_INT
@@ -221,13 +227,20 @@ fn the_version_has_the_capabilities_that_clients_look_for() {
         | Bit::MAV_PROTOCOL_CAPABILITY_MAVLINK2
         | Bit::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
         | Bit::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY;
-    assert!(version.capabilities.contains(needed));
-    let encodings =
-        Bit::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE | Bit::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST;
-    assert_eq!((version.capabilities & encodings).bits().count_ones(), 1);
-    assert!(!version.capabilities.contains(Bit::MAV_PROTOCOL_CAPABILITY_FTP));
-    assert!(version.flight_sw_version >= 0x0104_0100);
-    let _: PROTOCOL_VERSION_DATA = one(&mut bench);
+    let encoding = Bit::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE;
+    assert_eq!(
+        version.capabilities,
+        needed | encoding,
+        "nothing that is not kept"
+    );
+    assert_eq!(version.flight_sw_version, 0x0104_0100);
+    assert_eq!((version.uid, &version.flight_custom_version), (77, b"0.1.0-rc"));
+    let protocol: PROTOCOL_VERSION_DATA = one(&mut bench);
+    assert_eq!((protocol.version, protocol.max_version), (200, 200));
+    // Ours is not the one that clients are shown.
+    let request = [148.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let seen = bench.ask(&long(MavCmd::MAV_CMD_REQUEST_MESSAGE, request));
+    assert_eq!(texts(&seen), ["Windhover 0.1.0-rc"]);
 }
 
 #[test]
@@ -272,6 +285,13 @@ fn rates_are_set_told_and_taken_back() {
         bench.bytes(&frame);
         assert!(expected.contains(&rate(&mut bench)), "group {group} {start}");
     }
+    // Without a heartbeat every client would believe the vehicle lost.
+    for interval in [-1.0, 5e6] {
+        let beat = [0.0, interval, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let result = bench.result(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, beat);
+        assert_eq!(result, MavResult::MAV_RESULT_DENIED);
+    }
+    assert_eq!(all::<HEARTBEAT_DATA>(&bench.run(3_000_000)).len(), 3);
     let none = [9_999.0, 1e5, 0.0, 0.0, 0.0, 0.0, 0.0];
     let result = bench.result(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, none);
     assert_eq!(result, MavResult::MAV_RESULT_UNSUPPORTED);
@@ -337,12 +357,18 @@ fn text_and_photos_are_told() {
         .say(Severity::Critical, format_args!("battery {} V", 10));
     let photo = Photo {
         index: 4,
-        time: 9_000_000,
+        time: 900_000,
         position: PLACE,
         attitude: Quaternion::IDENTITY,
     };
     bench.vehicle.link.photo_taken(photo);
+    bench.vehicle.telemetry.utc = Some(1_700_000_000_000_000);
+    let now = bench.now;
     let seen = bench.run(STEP);
+    assert_eq!(
+        all::<SYSTEM_TIME_DATA>(&bench.run(2_000_000))[0].time_unix_usec,
+        1_700_000_000_000_000
+    );
     let lines: Vec<STATUSTEXT_DATA> = all(&seen);
     assert_eq!(
         (lines[0].severity, lines[0].text.to_str()),
@@ -355,8 +381,19 @@ fn text_and_photos_are_told() {
     );
     assert_eq!(
         (photos[0].lat, photos[0].q[0], photos[0].time_boot_ms),
-        (473_977_418, 1.0, 9_000)
+        (473_977_418, 1.0, 900)
     );
+    let taken = 1_700_000_000_000_000 - (now - photo.time);
+    assert_eq!((photos[0].time_utc, photos[0].camera_id), (taken, 1));
+    assert_eq!(photos[0].capture_result, MavBool::MAV_BOOL_TRUE);
+    // More than there is room for are counted.
+    for index in 0..10 {
+        bench.vehicle.link.photo_taken(Photo { index, ..photo });
+    }
+    let photos: Vec<CAMERA_IMAGE_CAPTURED_DATA> = all(&bench.run(STEP));
+    let told: Vec<i32> = photos.iter().map(|photo| photo.image_index).collect();
+    assert_eq!(told, [2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(bench.vehicle.link.counters().dropped.photos, 2);
 }
 
 #[test]
@@ -379,21 +416,41 @@ fn with_a_key_the_link_signs_and_hears_only_those_who_have_it() {
     let mut bench = Bench::new();
     bench
         .vehicle
-        .link
-        .set_signing_key([9; 32], 36_000_000_000_000, bench.now);
+        .signing
+        .set_key([9; 32], 36_000_000_000_000, bench.now);
     let command = long(
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
         [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     );
     assert!(all::<COMMAND_ACK_DATA>(&bench.ask(&command)).is_empty());
     assert!(bench.vehicle.orders.is_empty());
-    assert_eq!(bench.vehicle.link.counters().signing.unsigned, 1);
+    assert_eq!(bench.vehicle.signing.refusals().unsigned, 1);
     let frames: Vec<_> = (0..200)
         .flat_map(|step| bench.vehicle.poll(bench.now + step * STEP))
         .collect();
     assert!(frames.iter().all(|frame| frame[2] == 1));
-    bench.vehicle.link.clear_signing_key();
+    bench.vehicle.signing.clear_key();
     assert_eq!(all::<COMMAND_ACK_DATA>(&bench.ask(&command)).len(), 1);
+}
+
+/// What was recorded on one channel must not act on another.
+#[test]
+fn a_signed_command_acts_once_on_all_channels_together() {
+    let key = |signing: &mut Signing| signing.set_key([9; 32], 36_000_000_000_000, 0);
+    let (mut theirs, mut bench) = (Signing::default(), Bench::new());
+    key(&mut theirs);
+    key(&mut bench.vehicle.signing);
+    let mut payload = [0; 33];
+    long(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, [1.0; 7]).ser(mavlink::MavlinkVersion::V2, &mut payload);
+    let mut frame = [0; MAX_FRAME];
+    let mut writer = Writer::new(bench.station.address);
+    let mut sign = |covered: &[u8]| theirs.sign(covered, 3, 0);
+    let length = writer.write(&mut frame, COMMAND_LONG_DATA::ID, &payload, Some(&mut sign));
+    let frame = &frame[..length.unwrap()];
+    assert_eq!(all::<COMMAND_ACK_DATA>(&bench.bytes(frame)).len(), 1);
+    bench.vehicle.link = Link::new(Config::default()); // another one, beside the first
+    assert!(all::<COMMAND_ACK_DATA>(&bench.bytes(frame)).is_empty());
+    assert_eq!(bench.vehicle.signing.refusals().replayed, 1);
 }
 
 #[test]

@@ -86,6 +86,8 @@ impl core::fmt::Display for Refusal {
 
 /// A struct of parameters with its declarations, in the order of its fields.
 pub trait Group {
+    /// What the struct is for, a line each, as its documentation says it.
+    const DOCUMENTATION: &'static [&'static str];
     /// The declarations.
     const DECLARATIONS: &'static [Declaration];
     /// The value of the field with that index.
@@ -94,16 +96,27 @@ pub trait Group {
     fn get_mut(&mut self, index: usize) -> Option<&mut f32>;
 }
 
+/// A group as a table names it: a section of the reference page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// The table's field.
+    pub name: &'static str,
+    /// See [`Group::DOCUMENTATION`].
+    pub documentation: &'static [&'static str],
+    /// See [`Group::DECLARATIONS`].
+    pub declarations: &'static [Declaration],
+}
+
 /// Declares a struct of parameters: `field: "NAME", "unit", min..=max, default, "sentence";`
 #[macro_export]
 macro_rules! parameters {
     (
-        $(#[$meta:meta])*
+        $(#[doc = $line:literal])*
         $vis:vis struct $Group:ident {
             $($field:ident: $name:literal, $unit:literal, $min:literal..=$max:literal, $default:literal, $text:literal;)*
         }
     ) => {
-        $(#[$meta])*
+        $(#[doc = $line])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         $vis struct $Group {
             $(
@@ -119,6 +132,7 @@ macro_rules! parameters {
         }
 
         impl $crate::Group for $Group {
+            const DOCUMENTATION: &'static [&'static str] = &[$($line),*];
             const DECLARATIONS: &'static [$crate::Declaration] = &[
                 $($crate::Declaration {
                     name: $name,
@@ -165,6 +179,13 @@ macro_rules! parameter_groups {
             pub fn declarations() -> impl Iterator<Item = &'static $crate::Declaration> {
                 core::iter::empty()$(.chain(<$Group as $crate::Group>::DECLARATIONS.iter()))*
             }
+
+            /// The groups, in the order of their parameters' indices.
+            pub const GROUPS: &'static [$crate::Section] = &[$($crate::Section {
+                name: stringify!($field),
+                documentation: <$Group as $crate::Group>::DOCUMENTATION,
+                declarations: <$Group as $crate::Group>::DECLARATIONS,
+            },)*];
 
             /// The declaration of one parameter.
             pub fn declaration(index: usize) -> Option<&'static $crate::Declaration> {
@@ -217,6 +238,8 @@ mod tests {
 
     parameters! {
         /// A pair.
+        ///
+        /// Of two sides.
         struct Pair {
             left: "LEFT", "m", -1.0..=1.0, 0.5, "One side";
             right: "RIGHT", "", 0.0..=10.0, 3.0, "The other side";
@@ -242,6 +265,16 @@ mod tests {
         }
         assert_eq!(Table::default().get(3), None);
         assert_eq!(Table::find("NONE"), None);
+    }
+
+    #[test]
+    fn sections_tell_what_their_groups_are_for() {
+        let [pair, single] = Table::GROUPS else {
+            panic!("two groups");
+        };
+        assert_eq!((pair.name, single.name), ("pair", "single"));
+        assert_eq!(pair.documentation, [" A pair.", "", " Of two sides."]);
+        assert!(Table::declarations().eq(pair.declarations.iter().chain(single.declarations)));
     }
 
     #[test]

@@ -23,7 +23,7 @@ fn main() {
     let mission = mission_file::read_bytes(Path::new("monitoring.plan"), MISSION).expect("our own mission");
     let start = flight::ready(&setup, &mission).expect("our own mission and vehicle");
     let (parameters, home) = (*start.outer().parameters(), flight::home(&mission));
-    let log = || FlightLog::new(&setup, &parameters, home, &mission.items, &[]);
+    let log = || FlightLog::new(&setup, &parameters, home, &mission.stored(), &[]);
     // In turn, so that a change of the machine's speed meets both.
     let mut shares: Vec<f64> = (0..RUNS)
         .map(|_| 1.0 - run(start.clone(), &mut log()) / run(start.clone(), &mut ()))

@@ -45,11 +45,10 @@ fn apply(asked: &Replay, parameters: &mut Parameters) {
 }
 
 fn tell(asked: &Replay, change: &Change) -> String {
-    let name = |index| Parameters::declaration(index).map_or("?", |declaration| declaration.name);
     let settings: Vec<String> = asked
         .with
         .iter()
-        .map(|s| format!("{} = {}", name(s.index), s.value))
+        .map(|s| format!("{} = {}", s.name(), s.value))
         .collect();
     let percent = |share: f64| share * 100.0;
     let changed = change.changed as f64 / windhover_math::max(change.commands, 1) as f64;

@@ -1,11 +1,12 @@
 //! A whole mission: set up, flown to its end, summed up in figures.
 
+use windhover_autopilot::blocker::Sentence;
 use windhover_autopilot::fence::{self, Fence, FenceRefusal, Rally};
 use windhover_autopilot::mission::nav::Chart;
 use windhover_autopilot::mission::{MissionEvent, PlanKind, Refusal, check, route};
 use windhover_autopilot::{
-    Command, InnerConfig, InnerInput, MissionCommit, Mode, MotorCommand, Outer, OuterConfig, OuterResult,
-    ParameterWrite, Parameters, Phase, Preset, Refused, Row, ScheduleRecord, Snapshot,
+    Command, InnerConfig, InnerInput, MissionCommit, Mode, MotorCommand, Outer, OuterConfig, OuterReport,
+    OuterResult, ParameterWrite, Parameters, Phase, Preset, Refused, Row, ScheduleRecord, Snapshot, Stop,
 };
 use windhover_math::Vector3;
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
@@ -24,6 +25,13 @@ const PATIENCE: f64 = 60.0;
 
 /// A flight that has not come to its end by then is ended, s.
 const TIME_LIMIT: f64 = 4.0 * 3600.0;
+
+/// A vehicle whose motors were stopped in flight is on the ground after so long, s.
+const FALL: f64 = 60.0;
+
+/// A vehicle that has come down and lies on the ground for so long without disarming itself is not
+/// waited for, s; more than `COM_DISARM_LAND` may be.
+const UNNOTICED: f64 = 90.0;
 
 /// Seconds between two positions that count for the cross-track error.
 const SAMPLE_PERIOD: f64 = 0.02;
@@ -144,12 +152,22 @@ pub enum SetupError {
         /// What is wrong.
         refusal: Refusal,
     },
-    /// The fence is not one that is kept: its item, from 1.
-    #[error("geofence, item {0}: {1}")]
-    Fence(usize, FenceRefusal),
-    /// The rally points are none: which, from 1.
-    #[error("rally point {0}: {1}")]
-    Rally(usize, FenceRefusal),
+    /// The fence or its rally points are none that are kept.
+    #[error("{place}: {}", without_field(refusal))]
+    Fence {
+        /// Which polygon, circle or rally point, as a person finds it.
+        place: String,
+        /// What is wrong.
+        refusal: FenceRefusal,
+    },
+}
+
+/// What is wrong with a shape, less what is said already by naming it.
+fn without_field(refusal: &FenceRefusal) -> String {
+    let text = refusal.to_string();
+    let fields = ["polygon: ", "circle: ", "fence: ", "rally point: "];
+    let rest = fields.iter().find_map(|field| text.strip_prefix(field));
+    rest.map_or(text.clone(), str::to_owned)
 }
 
 /// A flight that has been flown.
@@ -161,7 +179,9 @@ pub struct Flight {
     pub simulated: f64,
     /// True positions at 50 Hz, NED, m.
     pub positions: Vec<Vector3<f64>>,
-    /// What happened that the core does not tell of.
+    /// What the core tells of, and its log with it: modes and failsafes.
+    pub told: Vec<Event>,
+    /// What happened besides.
     pub events: Vec<Event>,
 }
 
@@ -198,8 +218,14 @@ pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(
         count: stored.mission.len() as u16,
     };
     check(&source, plan, Some(home), &parameters.mission).map_err(refused)?;
-    let of_fence = |(index, refusal)| SetupError::Fence(usize::from(index) + 1, refusal);
-    let of_rally = |(index, refusal)| SetupError::Rally(usize::from(index) + 1, refusal);
+    let of_fence = |(index, refusal)| SetupError::Fence {
+        place: mission.describe_fence(usize::from(index)),
+        refusal,
+    };
+    let of_rally = |(index, refusal)| SetupError::Fence {
+        place: format!("rally point {}", usize::from(index) + 1),
+        refusal,
+    };
     let fence = Fence::compile(&source, 0, stored.fence.len() as u16, &frame).map_err(of_fence)?;
     let rally = Rally::compile(&source, 0, stored.rally.len() as u16, &frame).map_err(of_rally)?;
     let chart = Chart {
@@ -253,7 +279,7 @@ pub fn fly<R: Recorder>(
         if tick.is_multiple_of(u64::from(setup.imu_rate)) {
             progress(watch.progress());
         }
-        if let Some(ended) = end(&flown.world, flown.outer(), &watch, time) {
+        if let Some(ended) = end(&flown.world, &watch, time) {
             break ended;
         }
     };
@@ -282,23 +308,35 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
 }
 
 /// Whether the mission was flown to its end, and how it ended.
-fn end(world: &World, outer: &Outer, watch: &Watch, time: f64) -> Option<(bool, String)> {
+fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
+    let falls = watch.disarmed.filter(|disarmed| disarmed.in_flight);
     if let Some(crash) = world.crash() {
-        Some((false, crash.to_string()))
+        let cause = falls.map(|disarmed| disarmed.text() + ", ");
+        Some((false, cause.unwrap_or_default() + &crash.to_string()))
     } else if let Some(divergence) = world.diverged() {
         Some((false, divergence.to_string()))
     } else if let Some(refused) = &watch.refused {
         Some((false, format!("refused at {time:.3} s: {refused}")))
-    } else if let Some(reason) = watch.disarmed {
-        let text = match reason {
-            _ if watch.finished => format!("mission completed, landed at {time:.1} s"),
-            Some(row) => format!("disarmed at {time:.1} s: {}", row.watched().text),
+    } else if falls.is_some_and(|disarmed| time < disarmed.time + FALL) {
+        None
+    } else if let Some(disarmed) = watch.disarmed {
+        let text = match disarmed.why() {
+            _ if watch.finished && !disarmed.in_flight => format!("mission completed, landed at {time:.1} s"),
+            _ if disarmed.in_flight => disarmed.text(),
+            Some(why) => format!("disarmed at {time:.1} s: {why}"),
             None if watch.was_airborne => format!("landed at {time:.1} s before the mission was completed"),
             None => format!("given up at {time:.1} s: the vehicle is too heavy to leave the ground"),
         };
-        Some((watch.finished, text))
+        Some((watch.finished && !disarmed.in_flight, text))
     } else if !watch.has_started() && time >= PATIENCE {
-        Some((false, format!("given up at {time:.1} s: {}", blockers(outer))))
+        Some((false, format!("given up at {time:.1} s: {}", watch.blocked)))
+    } else if watch
+        .on_ground_since
+        .is_some_and(|since| time > since + UNNOTICED)
+    {
+        let text =
+            format!("given up at {time:.1} s: on the ground for {UNNOTICED} s without disarming itself");
+        Some((false, text))
     } else if time >= TIME_LIMIT {
         Some((false, format!("given up after {:.0} hours", TIME_LIMIT / 3600.0)))
     } else {
@@ -307,12 +345,44 @@ fn end(world: &World, outer: &Outer, watch: &Watch, time: f64) -> Option<(bool, 
 }
 
 /// What speaks against arming, in words.
-fn blockers(outer: &Outer) -> String {
-    let words: Vec<&str> = outer.blockers().iter().map(|blocker| blocker.text()).collect();
+fn blockers(report: &OuterReport) -> String {
+    let sentence = |blocker| Sentence { blocker, report }.to_string();
+    let words: Vec<String> = report.blockers.iter().map(sentence).collect();
     if words.is_empty() {
         return "the vehicle does not know where it is".into();
     }
     words.join("; ")
+}
+
+/// The end of a flight.
+#[derive(Clone, Copy)]
+struct Disarmed {
+    time: f64,
+    /// Which failsafe acted.
+    failsafe: Option<Row>,
+    /// In flight: the vehicle falls.
+    in_flight: bool,
+    /// The inner step had stopped the motors by itself.
+    imu_missing: bool,
+}
+
+impl Disarmed {
+    /// Why, in words, if it was not the usual end.
+    fn why(&self) -> Option<&'static str> {
+        let missing = self.imu_missing.then_some(Row::ImuMissing);
+        let row = self.failsafe.or(missing);
+        row.map(|row| row.watched().text)
+    }
+
+    /// What it is in flight.
+    fn text(&self) -> String {
+        let why = self.why().map(|why| format!(" ({why})"));
+        format!(
+            "motors off in flight at {:.1} s{}",
+            self.time,
+            why.unwrap_or_default()
+        )
+    }
 }
 
 /// Sums a flight up while it is flown.
@@ -321,17 +391,24 @@ struct Watch {
     items: usize,
     item: usize,
     hash: MotorHash,
-    /// The vehicle has been armed and is not any more; by which failsafe.
-    disarmed: Option<Option<Row>>,
+    /// The vehicle has been armed and is not any more.
+    disarmed: Option<Disarmed>,
+    /// What speaks against arming a vehicle that is not waited for much longer.
+    blocked: String,
     was_armed: bool,
     was_airborne: bool,
-    said: (Mode, Option<Row>),
+    /// Since when a vehicle that has flown is at rest on the ground, s.
+    on_ground_since: Option<f64>,
+    phase: Phase,
+    mode: Mode,
+    failsafe: Option<Row>,
     started: Option<f64>,
     finished: bool,
     refused: Option<String>,
     errors: ErrorSum,
     reached: usize,
     photos: Vec<Photo>,
+    told: Vec<Event>,
     events: Vec<Event>,
     path: Vec<Vector3<f64>>,
     positions: Vec<Vector3<f64>>,
@@ -353,7 +430,10 @@ impl Recorder for Watch {
         for refused in &result.report.refusals {
             self.refuse(refused);
         }
-        self.follow_phase(truth, result);
+        self.follow_phase(truth, snapshot, result);
+        if !self.has_started() && truth.time > PATIENCE - 0.1 {
+            self.blocked = blockers(&result.report);
+        }
         self.beliefs.look(truth, snapshot, result);
         for event in &result.report.events {
             let wanted = result
@@ -396,15 +476,20 @@ impl Watch {
             item: 0,
             hash: MotorHash::default(),
             disarmed: None,
+            blocked: String::new(),
             was_armed: false,
             was_airborne: false,
-            said: Default::default(),
+            on_ground_since: None,
+            phase: Phase::default(),
+            mode: Mode::default(),
+            failsafe: None,
             started: None,
             finished: false,
             refused: None,
             errors: ErrorSum::default(),
             reached: 0,
             photos: Vec::new(),
+            told: Vec::new(),
             events: Vec::new(),
             path: Vec::new(),
             positions: Vec::new(),
@@ -421,27 +506,49 @@ impl Watch {
     }
 
     /// Notes changes of mode and failsafes, and the end of the flight.
-    fn follow_phase(&mut self, truth: &Truth, result: &OuterResult) {
+    fn follow_phase(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
         let report = &result.report;
         let phase = report.phase;
+        let before = core::mem::replace(&mut self.phase, phase);
         self.was_airborne |= phase == Phase::Flying;
+        let rests = truth.position.z > -0.05 && Axes::from(truth.velocity).length() < 0.05;
+        if !self.was_airborne || !rests {
+            self.on_ground_since = None;
+        } else {
+            self.on_ground_since.get_or_insert(truth.time);
+        }
         if phase == Phase::Disarmed {
-            if self.was_armed {
-                self.disarmed.get_or_insert(report.failsafe);
+            if self.was_armed && self.disarmed.is_none() {
+                let disarmed = Disarmed {
+                    time: truth.time,
+                    failsafe: report.failsafe,
+                    in_flight: before == Phase::Flying,
+                    imu_missing: snapshot.stopped == Some(Stop::ImuMissing),
+                };
+                self.disarmed = Some(disarmed);
+                self.tell(truth, "disarmed".into());
+                self.tell_failsafe(truth, report.failsafe);
             }
             return;
         }
-        self.was_armed = true;
-        let before = core::mem::replace(&mut self.said, (report.mode, report.failsafe));
-        if report.failsafe != before.1 {
-            let text = match report.failsafe {
-                Some(row) => format!("failsafe {}: {}", row.watched().name, row.watched().text),
-                None => "failsafe over".to_owned(),
-            };
-            self.note(truth, text);
+        if !self.was_armed {
+            self.was_armed = true;
+            self.tell(truth, "armed".into());
         }
-        if report.mode != before.0 {
-            self.note(truth, format!("mode {}", report.mode.name()));
+        self.tell_failsafe(truth, report.failsafe);
+        if core::mem::replace(&mut self.mode, report.mode) != report.mode {
+            self.tell(truth, format!("mode {}", report.mode.name()));
+        }
+    }
+
+    /// Names the failsafe that acts, when that has changed.
+    fn tell_failsafe(&mut self, truth: &Truth, acting: Option<Row>) {
+        if core::mem::replace(&mut self.failsafe, acting) == acting {
+            return;
+        }
+        let text = acting.map(|row| format!("failsafe {}: {}", row.watched().name, row.watched().text));
+        if text.is_some() || self.disarmed.is_none() {
+            self.tell(truth, text.unwrap_or_else(|| "failsafe over".into()));
         }
     }
 
@@ -452,10 +559,14 @@ impl Watch {
     fn refuse(&mut self, refused: &Refused) {
         match refused {
             Refused::Command(command, why) => self.refused = Some(format!("{command:?}: {why}")),
-            Refused::Parameter(write, refusal) => self.events.push(Event {
-                time: self.time as f32,
-                text: format!("parameter {} = {} refused: {refusal}", write.index, write.value),
-            }),
+            Refused::Parameter(write, refusal) => {
+                let declaration = Parameters::declaration(usize::from(write.index));
+                let name = declaration.map_or("parameter", |declaration| declaration.name);
+                self.events.push(Event {
+                    time: self.time as f32,
+                    text: format!("{name} = {} refused: {refusal}", write.value),
+                });
+            }
         }
     }
 
@@ -486,6 +597,13 @@ impl Watch {
                 self.item = self.items;
             }
         }
+    }
+
+    fn tell(&mut self, truth: &Truth, text: String) {
+        self.told.push(Event {
+            time: truth.time as f32,
+            text,
+        });
     }
 
     fn note(&mut self, truth: &Truth, text: String) {
@@ -519,21 +637,25 @@ impl Watch {
 
     fn finish(mut self, (completed, ended): (bool, String), world: &World, setup: &Setup) -> Flight {
         let truth = world.truth();
-        if !completed {
+        if self.disarmed.is_none_or(|disarmed| disarmed.in_flight) {
             self.note(&truth, ended.clone());
         }
-        for push in &setup.conditions.pushes {
-            let [north, east, down] = [push.force.x, push.force.y, push.force.z];
-            let text = format!(
-                "push of {north} N north, {east} N east, {down} N down for {} s",
-                push.duration
-            );
+        let pushes = setup.conditions.pushes.iter();
+        for push in pushes.filter(|push| push.start < truth.time) {
+            let force = [push.force.x, push.force.y, push.force.z];
+            let parts = force.iter().zip(["north", "east", "down"]);
+            let parts: Vec<String> = parts
+                .filter(|(part, _)| **part != 0.0)
+                .map(|(part, axis)| format!("{part} N {axis}"))
+                .collect();
+            let text = format!("push of {} for {} s", parts.join(", "), push.duration);
             self.events.push(Event {
                 time: push.start as f32,
                 text,
             });
         }
-        for fault in setup.sensors.iter().flat_map(|sensors| &sensors.faults) {
+        let faults = setup.sensors.iter().flat_map(|sensors| &sensors.faults);
+        for fault in faults.filter(|fault| fault.start < truth.time) {
             let span = if fault.duration.is_finite() {
                 format!("for {} s", fault.duration)
             } else {
@@ -570,6 +692,7 @@ impl Watch {
             figures,
             simulated: truth.time,
             positions: self.positions,
+            told: self.told,
             events: self.events,
         }
     }
@@ -580,5 +703,6 @@ fn cross_track(positions: &[Vector3<f64>], path: &[Vector3<f64>]) -> f64 {
         .iter()
         .map(|position| distance_to_polyline(*position, path))
         .map(|d| d * d);
-    (squares.sum::<f64>() / positions.len().max(1) as f64).sqrt()
+    // A sum of nothing is -0.
+    ((squares.sum::<f64>() + 0.0) / positions.len().max(1) as f64).sqrt()
 }

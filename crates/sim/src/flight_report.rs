@@ -12,7 +12,7 @@ use windhover_math::{Quaternion, Vector3};
 
 use crate::figures::{Axes, ErrorSum};
 use crate::flight_log::parts;
-use crate::report::{Event, Figure, Ned, PhotoMark, Report, Sample};
+use crate::report::{Event, Figure, Ned, PhotoMark, Report, Sample, ordered};
 
 /// One moment of a flight, as far as the log tells.
 #[derive(Clone, Default)]
@@ -45,6 +45,7 @@ pub fn report(log: &Log<'_>, title: &str) -> Report {
         title: title.into(),
         ..Report::default()
     };
+    let mut armed = false;
     let mut entries = log.entries();
     for entry in entries.by_ref() {
         match entry {
@@ -52,8 +53,20 @@ pub fn report(log: &Log<'_>, title: &str) -> Report {
                 if let View::Leg(leg) = view {
                     report.path.push(ned(leg.destination));
                 }
+                if let View::FlightPhase(phase) = view {
+                    let is_armed = phase.phase != 0;
+                    if is_armed != std::mem::replace(&mut armed, is_armed) {
+                        let text = if is_armed { "armed" } else { "disarmed" };
+                        report.events.push(Event {
+                            time: seconds(time),
+                            text: text.into(),
+                        });
+                    }
+                }
                 take(moments.entry(time).or_default(), view);
             }
+            // What the mode is set back to on the ground is of no interest.
+            Entry::Text { text, .. } if !armed && is_of_supervisor(text) => {}
             Entry::Text { time, text } => report.events.push(Event {
                 time: seconds(time),
                 text: text.into(),
@@ -77,6 +90,11 @@ pub fn report(log: &Log<'_>, title: &str) -> Report {
     }
     fill(&mut report, log, &moments);
     report
+}
+
+/// Whether the core tells of a mode, or of the end of a failsafe.
+fn is_of_supervisor(text: &str) -> bool {
+    text.starts_with("mode ") || text == "failsafe over"
 }
 
 fn take(moment: &mut Moment, view: View) {
@@ -114,7 +132,7 @@ fn fill(report: &mut Report, log: &Log<'_>, moments: &BTreeMap<u64, Moment>) {
             mission_event(report, event, &sample, &mut ended);
         }
     }
-    report.events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    report.events = ordered(std::mem::take(&mut report.events));
     if let Some(first) = report.samples.first() {
         report.path.insert(0, first.position);
     }

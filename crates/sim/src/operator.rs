@@ -2,8 +2,8 @@
 //! mission, returns and lands. When a failsafe acts, looks on.
 
 use windhover_autopilot::mission::MissionItem;
-use windhover_autopilot::mission::action::{Action, Altitude, interpret};
-use windhover_autopilot::{Command, Mode, Phase};
+use windhover_autopilot::mission::action::{self, Altitude, interpret};
+use windhover_autopilot::{Action, Command, Mode, Phase};
 
 use crate::closed_loop::ClosedLoop;
 
@@ -42,6 +42,13 @@ const PATIENCE: f64 = 90.0;
 /// On sensors, nothing must have spoken against arming for so long, s.
 const SETTLED: f64 = 2.0;
 
+/// Whether a failsafe does more than warn.
+fn is_interrupted(flown: &ClosedLoop) -> bool {
+    let parameters = flown.outer().parameters();
+    let acting = flown.outer().supervisor().acting();
+    acting.is_some_and(|row| (row.watched().action)(parameters) > Action::Warn)
+}
+
 impl Operator {
     /// Of a vehicle on its sensors, or one that is told the truth, with this mission.
     pub fn new(on_sensors: bool, mission: &[MissionItem]) -> Self {
@@ -61,14 +68,14 @@ impl Operator {
         let (phase, mode) = (supervisor.phase(), supervisor.mode());
         match self.stage {
             Stage::Wait => self.wait(flown, time),
-            Stage::Takeoff if phase == Phase::Flying && mode == Mode::Hold => {
+            Stage::Takeoff if phase == Phase::Flying && mode == Mode::Hold && !is_interrupted(flown) => {
                 self.stage = Stage::Start;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Mission));
             }
             Stage::Start if mode == Mode::Mission => self.stage = Stage::Mission,
             // A mission that ends in the air ends in hold; one that returns or lands does so itself,
             // and what a failsafe does is left to it.
-            Stage::Mission if mode == Mode::Hold && supervisor.acting().is_none() => {
+            Stage::Mission if phase == Phase::Flying && mode == Mode::Hold && !is_interrupted(flown) => {
                 self.stage = Stage::Home;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
             }
@@ -86,7 +93,9 @@ impl Operator {
         } else if time - *self.stays_since.get_or_insert(time) > PATIENCE {
             self.stays_since = Some(time);
             self.stage = Stage::Home;
-            flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
+            let known = flown.outer().estimation().estimate().known.position;
+            let mode = if known { Mode::Return } else { Mode::Land };
+            flown.mailboxes.queues.command.push(Command::Fly(mode));
         }
     }
 
@@ -109,8 +118,8 @@ impl Operator {
 /// The height of the first point of a mission.
 fn first_altitude(mission: &[MissionItem]) -> Option<Altitude> {
     let altitude = |item: &MissionItem| match interpret(item).ok()? {
-        Action::Takeoff { altitude } => Some(altitude),
-        Action::Waypoint { place, .. } => Some(place.altitude),
+        action::Action::Takeoff { altitude } => Some(altitude),
+        action::Action::Waypoint { place, .. } => Some(place.altitude),
         _ => None,
     };
     mission.iter().find_map(altitude)

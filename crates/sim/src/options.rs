@@ -10,6 +10,7 @@ use windhover_model::sensor::fault::{FaultName, SensorFault};
 use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, mean_wind_from};
 use windhover_sim::flight::{Setup, SetupError};
 use windhover_sim::mission_file::{self, MissionFile};
+use windhover_sim::reference;
 use windhover_sim::sensors::{Receiver, Sensors};
 use windhover_sim::terminal::read_vehicle;
 
@@ -39,6 +40,10 @@ enum Sub {
     Report(ReportArgs),
     /// List the faults that sensors can have, for `fly --fault`.
     Faults,
+    /// List parameters with range, default and meaning, for `fly --set` and vehicle files.
+    Parameters(ParameterArgs),
+    /// List what the vehicle watches in flight, and what it does about it.
+    Failsafes(PageArgs),
 }
 
 /// Options of `windhover fly`.
@@ -97,8 +102,17 @@ pub struct Fly {
     #[arg(long, conflicts_with = "truth")]
     rc: bool,
     /// Charge of the battery at the start in percent [default: 100]
-    #[arg(long, value_name = "PERCENT", conflicts_with = "truth")]
-    battery: Option<f64>,
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        conflicts_with = "truth",
+        allow_hyphen_values = true
+    )]
+    battery: Option<Percent>,
+    /// A parameter's value, over the vehicle file and the preset; may be repeated.
+    /// `windhover parameters` lists the names
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    set: Vec<Setting>,
     /// Everything random follows from it
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true)]
     seed: u64,
@@ -133,6 +147,24 @@ pub struct ReportArgs {
     pub out: Option<PathBuf>,
 }
 
+/// Options of `windhover parameters`.
+#[derive(Clone, Debug, Args)]
+pub struct ParameterArgs {
+    /// Only parameters in whose names one of these stands
+    #[arg(value_name = "NAME", conflicts_with = "markdown")]
+    names: Vec<String>,
+    #[command(flatten)]
+    page: PageArgs,
+}
+
+/// Options of the commands that list a table.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct PageArgs {
+    /// Print the page of the documentation instead
+    #[arg(long)]
+    markdown: bool,
+}
+
 /// A parameter and its value.
 #[derive(Clone, Debug)]
 pub struct Setting {
@@ -147,13 +179,40 @@ impl FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) = text.split_once('=').ok_or("NAME=VALUE is wanted")?;
-        let index = Parameters::find(name).ok_or_else(|| format!("there is no parameter {name}"))?;
-        let value: f32 = value.parse().map_err(|_| format!("{value} is not a number"))?;
-        let declaration = Parameters::declaration(index).ok_or("no such parameter")?;
+        let unknown = || format!("there is no parameter {name}; `windhover parameters` lists them");
+        let index = Parameters::find(name).ok_or_else(unknown)?;
+        let value: f32 = value
+            .parse()
+            .map_err(|_| format!("{name}: '{value}' is not a number"))?;
+        let declaration = Parameters::declaration(index).ok_or_else(unknown)?;
         declaration
             .check(value)
             .map_err(|refusal| format!("{name}: {refusal}"))?;
         Ok(Self { index, value })
+    }
+}
+
+impl Setting {
+    /// The parameter's name.
+    pub fn name(&self) -> &'static str {
+        Parameters::declaration(self.index).map_or("?", |declaration| declaration.name)
+    }
+}
+
+/// A share in percent, 0 to 100.
+#[derive(Clone, Copy, Debug)]
+struct Percent(f64);
+
+impl FromStr for Percent {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = text.trim_end_matches('%').trim();
+        match number.parse::<f64>() {
+            Ok(percent) if (0.0..=100.0).contains(&percent) => Ok(Self(percent)),
+            Ok(percent) if !percent.is_nan() => Err(format!("{percent} % is outside 0 to 100")),
+            _ => Err(format!("'{text}' is not a number")),
+        }
     }
 }
 
@@ -225,19 +284,29 @@ pub fn parse() -> Invocation {
             Some(Sub::Fly(fly)) => Invocation::Fly(fly),
             Some(Sub::Replay(replay)) => Invocation::Replay(replay),
             Some(Sub::Report(report)) => Invocation::Report(report),
-            Some(Sub::Faults) => Invocation::Say {
-                text: faults(),
-                code: 0,
+            Some(Sub::Faults) => Invocation::say(faults()),
+            Some(Sub::Parameters(asked)) if asked.page.markdown => {
+                Invocation::say(reference::parameters_page())
+            }
+            Some(Sub::Parameters(asked)) => match reference::parameters(&asked.names) {
+                Ok(text) => Invocation::say(text),
+                Err(message) => Invocation::refuse(format!("error: {message}")),
             },
+            Some(Sub::Failsafes(asked)) if asked.markdown => Invocation::say(reference::failsafes_page()),
+            Some(Sub::Failsafes(_)) => Invocation::say(reference::failsafes()),
         },
-        Err(error) if !error.use_stderr() => Invocation::Say {
-            text: error.to_string(),
-            code: 0,
-        },
-        Err(error) => Invocation::Say {
-            text: one_line(&error.to_string()),
-            code: 2,
-        },
+        Err(error) if !error.use_stderr() => Invocation::say(error.to_string()),
+        Err(error) => Invocation::refuse(one_line(&error.to_string())),
+    }
+}
+
+impl Invocation {
+    fn say(text: String) -> Self {
+        Self::Say { text, code: 0 }
+    }
+
+    fn refuse(text: String) -> Self {
+        Self::Say { text, code: 2 }
     }
 }
 
@@ -270,6 +339,8 @@ pub struct Request {
     /// The mission's file as the user named it.
     pub mission_name: PathBuf,
     vehicle_name: String,
+    /// Parameters that were set on the command line, as they were asked for.
+    pub set: Vec<String>,
     /// Words for the report: which model, preset and so on.
     pub model: String,
     /// Name of the preset.
@@ -280,8 +351,11 @@ impl Request {
     /// One line for the user that names the file that is at fault.
     pub fn explain(&self, error: &SetupError) -> String {
         match error {
-            SetupError::Mission { .. } | SetupError::Fence(..) | SetupError::Rally(..) => {
+            SetupError::Mission { .. } | SetupError::Fence { .. } => {
                 format!("{}: {error}", self.mission_name.display())
+            }
+            SetupError::Vehicle if !self.set.is_empty() => {
+                format!("{}, --set {}: {error}", self.vehicle_name, self.set.join(", "))
             }
             SetupError::Parameter { .. } | SetupError::Vehicle => format!("{}: {error}", self.vehicle_name),
         }
@@ -292,7 +366,11 @@ impl Fly {
     /// Reads the files and checks the options. The error is one line.
     pub fn request(&self) -> Result<Request, String> {
         let conditions = self.conditions()?;
-        let vehicle = read_vehicle(&self.vehicle)?;
+        let mut vehicle = read_vehicle(&self.vehicle)?;
+        for setting in &self.set {
+            let (name, value) = (setting.name().to_owned(), f64::from(setting.value));
+            vehicle.parameters.insert(name, value);
+        }
         let (mission_name, mut mission) = self.mission()?;
         if matches!(self.model, ModelName::Simple) {
             hold_heading(&mut mission);
@@ -319,6 +397,11 @@ impl Fly {
             mission,
             mission_name,
             vehicle_name: self.vehicle.clone(),
+            set: self
+                .set
+                .iter()
+                .map(|setting| format!("{}={}", setting.name(), setting.value))
+                .collect(),
             model: format!("{:?}", self.model).to_lowercase(),
             preset: format!("{:?}", self.preset).to_lowercase(),
         })
@@ -327,8 +410,15 @@ impl Fly {
     /// The sensors, where it is flown on such.
     fn sensors(&self) -> Result<Option<Sensors>, String> {
         let rigid = matches!(self.model, ModelName::Rigid);
-        if !rigid && !self.fault.is_empty() {
-            return Err("--fault: the models simple and paper are flown on the truth, not on sensors".into());
+        let of_sensors = [
+            ("--fault", !self.fault.is_empty()),
+            ("--rc", self.rc),
+            ("--battery", self.battery.is_some()),
+        ];
+        if let Some((option, _)) = of_sensors.iter().find(|(_, is)| *is && !rigid) {
+            return Err(format!(
+                "{option}: the models simple and paper are flown on the truth, not on sensors"
+            ));
         }
         Ok((rigid && !self.truth).then(|| Sensors {
             receiver: match self.gnss {
@@ -338,7 +428,7 @@ impl Fly {
             faults: self.fault.clone(),
             errors: None,
             remote: self.rc,
-            charge: self.battery.map(|percent| percent * 0.01),
+            charge: self.battery.map(|Percent(percent)| percent * 0.01),
         }))
     }
 
@@ -413,6 +503,37 @@ mod tests {
         assert!("1,2".parse::<Numbers<2>>().is_ok());
         for wrong in ["1", "1,2,3", "1,nan", "1,inf", "a,b", ""] {
             assert!(wrong.parse::<Numbers<2>>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn percentages_are_0_to_100() {
+        for (text, percent) in [("0", 0.0), ("15.5", 15.5), ("100%", 100.0)] {
+            assert_eq!(text.parse::<Percent>().unwrap().0, percent);
+        }
+        for wrong in ["-1", "101", "1e9", "inf"] {
+            let refusal = wrong.parse::<Percent>().unwrap_err();
+            assert!(refusal.contains("outside 0 to 100"), "{refusal}");
+        }
+        for wrong in ["", "full", "nan"] {
+            let refusal = wrong.parse::<Percent>().unwrap_err();
+            assert!(refusal.contains("is not a number"), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn settings_are_inside_their_ranges() {
+        let setting: Setting = "NAV_RCL_ACT=3".parse().unwrap();
+        assert_eq!((setting.name(), setting.value), ("NAV_RCL_ACT", 3.0));
+        for (wrong, words) in [
+            ("NAV_RCL_ACT", "NAME=VALUE is wanted"),
+            ("NAV_RCL_ACT=", "'' is not a number"),
+            ("NAV_RCL_ACT=nan", "the range is 0 to 6"),
+            ("NAV_RCL_ACT=7", "NAV_RCL_ACT: the range is 0 to 6"),
+            ("SPEED=7", "there is no parameter SPEED; `windhover parameters`"),
+        ] {
+            let refusal = wrong.parse::<Setting>().unwrap_err();
+            assert!(refusal.contains(words), "{refusal}");
         }
     }
 

@@ -85,6 +85,16 @@ pub fn conditions(request: &Request) -> Vec<(String, String)> {
         ("Payload", format!("{} kg", setup.conditions.payload.mass())),
         ("Seed", setup.conditions.seed.to_string()),
     ];
+    conditions.extend(setup.sensors.iter().flat_map(|sensors| {
+        let remote = sensors
+            .remote
+            .then(|| ("Remote control", "sticks at rest".into()));
+        let charge = sensors
+            .charge
+            .map(|charge| ("Battery", format!("{:.0} %", charge * 100.0)));
+        [remote, charge].into_iter().flatten()
+    }));
+    conditions.extend(request.set.iter().map(|set| ("Set", set.clone())));
     conditions.extend(request.mission.notes.iter().map(|note| ("Note", note.clone())));
     conditions
         .into_iter()
@@ -114,6 +124,7 @@ pub fn text(request: &Request, flight: &Flight, files: &Files) -> String {
     for note in &request.mission.notes {
         let _ = writeln!(text, "note: {note}");
     }
+    text.push_str(&events(flight, &files.report));
     let rows = rows(&flight.figures);
     let width = rows
         .iter()
@@ -125,6 +136,27 @@ pub fn text(request: &Request, flight: &Flight, files: &Files) -> String {
     }
     let _ = writeln!(text, "log: {}", files.log.display());
     let _ = writeln!(text, "report: {}", files.report.display());
+    text
+}
+
+/// What happened on the way, a line each.
+fn events(flight: &Flight, page: &Path) -> String {
+    const MOST: usize = 40;
+    let all = report::ordered([flight.told.as_slice(), &flight.events].concat());
+    let mut text = String::new();
+    for event in all.iter().take(MOST) {
+        let _ = writeln!(text, "{:7.1} s  {}", event.time, event.text);
+    }
+    if all.len() > MOST {
+        let _ = writeln!(
+            text,
+            "{:9}  and {} more: {}",
+            "",
+            all.len() - MOST,
+            page.display()
+        );
+    }
+    text.push('\n');
     text
 }
 

@@ -437,6 +437,7 @@ impl Outer {
         Wanted {
             cos_tilt: setpoint.attitude.cos_tilt(),
             all_thrust: setpoint.thrust >= 0.999 * most,
+            light: setpoint.thrust < 0.5 * p.vehicle.mass * GRAVITY,
         }
     }
 

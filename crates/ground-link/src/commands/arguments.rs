@@ -2,11 +2,18 @@
 //!
 //! Parameters that are not set come as NaN, in `COMMAND_INT` also as the largest integer.
 
-use mavlink::dialects::common::{COMMAND_INT_DATA, COMMAND_LONG_DATA, MavFrame};
+use mavlink::dialects::common::MavFrame;
 use windhover_autopilot::mission::action::{Altitude, Place};
 
 use crate::request::Ground;
 use crate::scale::{integer, set};
+use crate::wire::Payload;
+
+/// Where `COMMAND_INT` has its frame.
+const FRAME: usize = 32;
+
+/// 1e-7 degrees in a degree.
+const E7: u32 = 10_000_000;
 
 /// How an altitude counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,39 +32,43 @@ pub(crate) struct Parameters {
     /// Parameters 5 and 6 as numbers.
     five_six: [Option<f32>; 2],
     pub(super) ground: Option<Ground>,
+    /// Whether parameters 5 and 6 as a place are none on Earth.
+    pub(super) is_off_earth: bool,
     seven: Option<f32>,
     pub(super) datum: Datum,
 }
 
 impl Parameters {
     /// Those of a `COMMAND_LONG`; places are in degrees.
-    pub fn long(data: &COMMAND_LONG_DATA) -> Self {
-        let degrees = [data.param5, data.param6].map(set);
-        let ground = match degrees {
-            [Some(latitude), Some(longitude)] => ground(
-                integer(f64::from(latitude) * 1e7),
-                integer(f64::from(longitude) * 1e7),
-            ),
-            _ => None,
-        };
+    pub fn long(payload: Payload<'_>) -> Self {
+        let [one, two, three, four, five, six, seven] = payload.floats(0).map(set);
+        let place = five.zip(six).map(|(latitude, longitude)| Ground {
+            latitude: integer(latitude, E7),
+            longitude: integer(longitude, E7),
+        });
         Self {
-            plain: [data.param1, data.param2, data.param3, data.param4].map(set),
-            five_six: degrees,
-            ground,
-            seven: set(data.param7),
+            plain: [one, two, three, four],
+            five_six: [five, six],
+            ground: place.and_then(given),
+            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
+            seven,
             datum: Datum::Implied,
         }
     }
 
     /// Those of a `COMMAND_INT`; places are in 1e-7 degrees.
-    pub fn int(data: &COMMAND_INT_DATA, frame: u8) -> Self {
-        let is_set = data.x != i32::MAX && data.y != i32::MAX;
+    pub fn int(payload: Payload<'_>) -> Self {
+        let places = [16, 20].map(|at| payload.integer(at));
+        let [latitude, longitude] = places;
+        let is_set = !places.contains(&i32::MAX);
+        let place = is_set.then_some(Ground { latitude, longitude });
         Self {
-            plain: [data.param1, data.param2, data.param3, data.param4].map(set),
-            five_six: [data.x, data.y].map(|value| (value != i32::MAX).then_some(value as f32)),
-            ground: ground(data.x, data.y).filter(|_| is_set),
-            seven: set(data.z),
-            datum: datum(frame),
+            plain: payload.floats(0).map(set),
+            five_six: places.map(|value| (value != i32::MAX).then_some(value as f32)),
+            ground: place.and_then(given),
+            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
+            seven: set(payload.float(24)),
+            datum: datum(payload.byte(FRAME)),
         }
     }
 
@@ -105,11 +116,10 @@ impl Parameters {
     }
 }
 
-/// A point on the map; (0, 0) is what clients send that have none.
-fn ground(latitude: i32, longitude: i32) -> Option<Ground> {
-    let on_earth = latitude.unsigned_abs() <= 900_000_000 && longitude.unsigned_abs() <= 1_800_000_000;
-    let is_set = (latitude, longitude) != (0, 0);
-    (on_earth && is_set).then_some(Ground { latitude, longitude })
+/// (0, 0) is what clients send that have no place.
+fn given(place: Ground) -> Option<Ground> {
+    let is_nowhere = (place.latitude, place.longitude) == (0, 0);
+    (!is_nowhere).then_some(place)
 }
 
 pub(super) fn datum(frame: u8) -> Datum {

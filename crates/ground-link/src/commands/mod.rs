@@ -5,10 +5,13 @@
 //! the vehicle has not answered for soon after it came is acknowledged as in progress.
 
 mod arguments;
+mod flight;
+mod number;
 mod translate;
+mod upkeep;
 
-use heapless::Vec;
-use mavlink::dialects::common::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavResult};
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavResult};
 
 use crate::frame::{Address, crc};
 use crate::outbox::{Order, Outbox, Reply};
@@ -31,10 +34,12 @@ const FAILED: u64 = 120_000_000;
 /// For so long an answer can be asked for again, µs.
 const MEMORY: u64 = 5_000_000;
 
-/// Where `COMMAND_LONG` and `COMMAND_INT` have their command, the frame and the confirmation.
+/// Where `COMMAND_LONG` and `COMMAND_INT` have their command and target; then follow a confirmation
+/// in the one, a frame in the other.
 const COMMAND: usize = 28;
-const FRAME: usize = 32;
+const TARGET: usize = 30;
 const CONFIRMATION: usize = 32;
+const FRAME: usize = 32;
 
 /// The progress that says nothing.
 const UNKNOWN: u8 = 255;
@@ -52,8 +57,8 @@ macro_rules! results {
         }
 
         impl CommandResult {
-            pub(crate) const fn wire(self) -> MavResult {
-                match self { $(Self::$name => MavResult::$wire,)* }
+            pub(crate) const fn wire(self) -> u8 {
+                match self { $(Self::$name => MavResult::$wire as u8,)* }
             }
         }
     };
@@ -99,7 +104,7 @@ struct Entry {
 /// The state of the protocol.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CommandService {
-    entries: Vec<Entry, COMMANDS>,
+    entries: [Option<Entry>; COMMANDS],
     last: u16,
 }
 
@@ -128,13 +133,12 @@ impl CommandService {
         from: Address,
         around: &mut Surroundings<'_>,
     ) -> Option<Ours> {
-        let data: COMMAND_LONG_DATA = payload.read_command(COMMAND, None)?;
-        if !around.own.is_meant(data.target_system, data.target_component) {
+        if !payload.is_for(around.own, TARGET) {
             return None;
         }
         let arrival = Arrival {
             command: payload.word(COMMAND),
-            parameters: Parameters::long(&data),
+            parameters: Parameters::long(payload),
             digest: digest(payload, COMMAND + 2),
             is_repeated: payload.byte(CONFIRMATION) > 0,
         };
@@ -148,13 +152,12 @@ impl CommandService {
         from: Address,
         around: &mut Surroundings<'_>,
     ) -> Option<Ours> {
-        let data: COMMAND_INT_DATA = payload.read_command(COMMAND, Some(FRAME))?;
-        if !around.own.is_meant(data.target_system, data.target_component) {
+        if !payload.is_for(around.own, TARGET) {
             return None;
         }
         let arrival = Arrival {
             command: payload.word(COMMAND),
-            parameters: Parameters::int(&data, payload.byte(FRAME)),
+            parameters: Parameters::int(payload),
             digest: digest(payload, FRAME + 1),
             is_repeated: false,
         };
@@ -184,7 +187,8 @@ impl CommandService {
         let same = |entry: &&Entry| {
             (entry.from, entry.command, entry.digest) == (from, arrival.command, arrival.digest)
         };
-        let Some(entry) = self.entries.iter().rev().find(same) else {
+        let entries = self.entries.iter().flatten().filter(same);
+        let Some(entry) = entries.max_by_key(|entry| entry.came) else {
             return false;
         };
         match entry.result {
@@ -212,12 +216,12 @@ impl CommandService {
             from,
             id: Some(id),
         };
-        if !self.has_room() || !around.outbox.request(order) {
+        let place = self.place();
+        let Some(place) = place.filter(|_| around.outbox.request(order)) else {
             let busy = CommandResult::TemporarilyRejected;
             return acknowledge(around.outbox, from, arrival.command, busy);
-        }
-        self.last = self.last.wrapping_add(1);
-        let _ = self.entries.push(Entry {
+        };
+        *place = Some(Entry {
             id,
             from,
             command: arrival.command,
@@ -226,16 +230,18 @@ impl CommandService {
             in_progress: false,
             result: None,
         });
+        self.last = self.last.wrapping_add(1);
     }
 
-    /// Makes room by forgetting the oldest command that was answered.
-    fn has_room(&mut self) -> bool {
-        if self.entries.is_full()
-            && let Some(oldest) = self.entries.iter().position(|entry| entry.result.is_some())
-        {
-            self.entries.remove(oldest);
-        }
-        !self.entries.is_full()
+    /// A place for a command: a free one, or that of the command that was answered first.
+    fn place(&mut self) -> Option<&mut Option<Entry>> {
+        let age = |place: &&mut Option<Entry>| match place {
+            None => 0,
+            Some(entry) => entry.result.map_or(u64::MAX, |(_, at)| at.saturating_add(1)),
+        };
+        let oldest = self.entries.iter_mut().min_by_key(age)?;
+        let is_under_way = oldest.is_some_and(|entry| entry.result.is_none());
+        (!is_under_way).then_some(oldest)
     }
 
     /// A command was done, or not. A second answer to the same command is ignored.
@@ -263,14 +269,14 @@ impl CommandService {
     }
 
     fn waiting(&mut self, id: CommandId) -> Option<&mut Entry> {
-        self.entries
-            .iter_mut()
-            .find(|entry| entry.id == id && entry.result.is_none())
+        let mut entries = self.entries.iter_mut().flatten();
+        entries.find(|entry| entry.id == id && entry.result.is_none())
     }
 
     /// Acknowledges what takes longer, and gives up what was never answered.
     pub fn poll(&mut self, outbox: &mut Outbox, now: u64) {
-        for entry in self.entries.iter_mut().filter(|entry| entry.result.is_none()) {
+        let entries = self.entries.iter_mut().flatten();
+        for entry in entries.filter(|entry| entry.result.is_none()) {
             let age = now.saturating_sub(entry.came);
             let result = match age {
                 FAILED.. => CommandResult::Failed,
@@ -301,13 +307,11 @@ pub(crate) fn acknowledge(outbox: &mut Outbox, to: Address, command: u16, result
 }
 
 /// `COMMAND_ACK`.
-pub(crate) fn ack_message(to: Address, command: u16, result: CommandResult, progress: u8) -> Message {
-    Message::of(&COMMAND_ACK_DATA {
-        result: result.wire(),
-        progress,
-        target_system: to.system,
-        target_component: to.component,
-        ..COMMAND_ACK_DATA::DEFAULT
-    })
-    .with_word(0, command)
+pub(crate) fn ack_message(to: Address, command: u16, result: CommandResult, progress: u8, m: &mut Message) {
+    m.start(COMMAND_ACK_DATA::ID)
+        .word(command)
+        .byte(result.wire())
+        .byte(progress)
+        .zeros(4) // a second result
+        .target(to);
 }

@@ -3,57 +3,9 @@
 //! Parameters that are not set are `None` here, and never a reason to refuse. Commands and
 //! parameters are MAVLink's (`common.xml`).
 
-use windhover_autopilot::mission::action::Altitude;
-
-use super::CommandResult;
-use super::arguments::{Datum, Parameters, datum};
-use crate::mode::Mode;
-use crate::request::{Calibration, Request, SpeedKind};
-use crate::scale::DEGREE;
-
-/// Numbers of the `MAV_CMD`s that are understood.
-#[rustfmt::skip]
-mod number {
-    pub const NAV_LOITER_UNLIM: u16 = 17;
-    pub const NAV_RETURN_TO_LAUNCH: u16 = 20;
-    pub const NAV_LAND: u16 = 21;
-    pub const NAV_TAKEOFF: u16 = 22;
-    pub const DO_SET_MODE: u16 = 176;
-    pub const DO_CHANGE_SPEED: u16 = 178;
-    pub const DO_SET_HOME: u16 = 179;
-    pub const DO_FLIGHTTERMINATION: u16 = 185;
-    pub const DO_CHANGE_ALTITUDE: u16 = 186;
-    pub const DO_REPOSITION: u16 = 192;
-    pub const DO_PAUSE_CONTINUE: u16 = 193;
-    pub const DO_SET_ROI_LOCATION: u16 = 195;
-    pub const DO_SET_ROI_NONE: u16 = 197;
-    pub const DO_SET_ROI: u16 = 201;
-    pub const DO_DIGICAM_CONTROL: u16 = 203;
-    pub const DO_SET_CAM_TRIGG_DIST: u16 = 206;
-    pub const DO_MOTOR_TEST: u16 = 209;
-    pub const DO_SET_MISSION_CURRENT: u16 = 224;
-    pub const PREFLIGHT_CALIBRATION: u16 = 241;
-    pub const PREFLIGHT_STORAGE: u16 = 245;
-    pub const PREFLIGHT_REBOOT_SHUTDOWN: u16 = 246;
-    pub const MISSION_START: u16 = 300;
-    pub const ACTUATOR_TEST: u16 = 310;
-    pub const COMPONENT_ARM_DISARM: u16 = 400;
-    pub const RUN_PREARM_CHECKS: u16 = 401;
-    pub const GET_HOME_POSITION: u16 = 410;
-    pub const GET_MESSAGE_INTERVAL: u16 = 510;
-    pub const SET_MESSAGE_INTERVAL: u16 = 511;
-    pub const REQUEST_MESSAGE: u16 = 512;
-    pub const REQUEST_PROTOCOL_VERSION: u16 = 519;
-    pub const REQUEST_AUTOPILOT_CAPABILITIES: u16 = 520;
-    pub const IMAGE_START_CAPTURE: u16 = 2000;
-    pub const IMAGE_STOP_CAPTURE: u16 = 2001;
-}
-
-/// The number that forces arming and disarming.
-const FORCE: f32 = 21_196.0;
-
-/// The largest time that a motor is tested for, s.
-const LONGEST_TEST: f32 = 10.0;
+use super::arguments::{Datum, Parameters};
+use super::{CommandResult, flight, number, upkeep};
+use crate::request::Request;
 
 /// As which autopilot the vehicle introduces itself: it decides what clients mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -101,40 +53,49 @@ impl Ours {
 /// What a command means with these parameters.
 #[inline(never)]
 pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meaning {
-    let request = match command {
-        number::NAV_TAKEOFF | number::DO_REPOSITION | number::DO_CHANGE_ALTITUDE | number::DO_SET_HOME
-            if p.datum == Datum::Unsupported =>
-        {
-            Err(CommandResult::UnsupportedFrame)
+    if PLACED.contains(&command) {
+        let is_placed = p.ground.is_some() || p.number(7) != 0.0;
+        if p.datum == Datum::Unsupported && is_placed {
+            return Meaning::Answer(CommandResult::UnsupportedFrame);
         }
-        number::COMPONENT_ARM_DISARM => arm(p),
+        if p.is_off_earth {
+            return Meaning::Answer(CommandResult::Denied);
+        }
+    }
+    if command == number::DO_CHANGE_SPEED && !p.get(2).is_some_and(|speed| speed != -1.0) {
+        return Meaning::Answer(CommandResult::Accepted); // "no change"
+    }
+    let request = match command {
+        number::COMPONENT_ARM_DISARM => flight::arm(p),
         number::DO_FLIGHTTERMINATION if p.number(1) > 0.5 => Ok(Request::Kill),
-        number::NAV_TAKEOFF => Ok(takeoff(p, identity)),
+        number::DO_FLIGHTTERMINATION => Err(CommandResult::Denied),
+        number::NAV_TAKEOFF => Ok(flight::takeoff(p, identity)),
         number::NAV_LAND => Ok(Request::Land { place: p.ground }),
         number::NAV_RETURN_TO_LAUNCH => Ok(Request::Return),
-        number::NAV_LOITER_UNLIM => Ok(Request::Hold),
+        number::NAV_LOITER_UNLIM => Ok(flight::loiter(p)),
         number::DO_PAUSE_CONTINUE if p.is(1, 0.0) => Ok(Request::Hold),
         number::DO_PAUSE_CONTINUE if p.is(1, 1.0) => Ok(Request::Continue),
-        number::DO_REPOSITION => Ok(reposition(p)),
-        number::DO_CHANGE_SPEED => speed(p),
-        number::DO_CHANGE_ALTITUDE => altitude(p),
-        number::DO_SET_MODE => mode(p),
-        number::MISSION_START => index(p, 1).map(|first| Request::StartMission { first }),
-        number::DO_SET_MISSION_CURRENT => index(p, 1).map(|index| Request::SetCurrentItem { index }),
-        number::DO_SET_HOME => home(p),
+        number::DO_PAUSE_CONTINUE => Err(CommandResult::Denied),
+        number::DO_REPOSITION => Ok(flight::reposition(p)),
+        number::DO_CHANGE_SPEED => flight::speed(p),
+        number::DO_CHANGE_ALTITUDE => flight::altitude(p),
+        number::DO_SET_MODE => flight::mode(p),
+        number::MISSION_START => flight::index(p, 1).map(|first| Request::StartMission { first }),
+        number::DO_SET_MISSION_CURRENT => flight::index(p, 1).map(|index| Request::SetCurrentItem { index }),
+        number::DO_SET_HOME => flight::home(p),
         number::DO_SET_ROI_NONE => Ok(Request::LookAt(None)),
         number::DO_SET_ROI_LOCATION | number::DO_SET_ROI => p
             .place()
             .map(|place| Request::LookAt(Some(place)))
             .ok_or(CommandResult::Denied),
         number::RUN_PREARM_CHECKS => Ok(Request::CheckArming),
-        number::PREFLIGHT_CALIBRATION => calibration(p),
-        number::PREFLIGHT_STORAGE => storage(p),
-        number::PREFLIGHT_REBOOT_SHUTDOWN => reboot(p),
-        number::DO_MOTOR_TEST => motor_test(p),
-        number::ACTUATOR_TEST => actuator_test(p),
+        number::PREFLIGHT_CALIBRATION => upkeep::calibration(p),
+        number::PREFLIGHT_STORAGE => upkeep::storage(p),
+        number::PREFLIGHT_REBOOT_SHUTDOWN => upkeep::reboot(p),
+        number::DO_MOTOR_TEST => upkeep::motor_test(p),
+        number::ACTUATOR_TEST => upkeep::actuator_test(p),
         _ => {
-            return camera(command, p)
+            return upkeep::camera(command, p)
                 .or_else(|| messages(command, p))
                 .unwrap_or(UNSUPPORTED);
         }
@@ -142,194 +103,21 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
     request.map_or_else(Meaning::Answer, Meaning::Request)
 }
 
+/// Commands whose parameters 5 to 7 are a place, or nothing.
+const PLACED: [u16; 7] = [
+    number::NAV_TAKEOFF,
+    number::NAV_LAND,
+    number::NAV_LOITER_UNLIM,
+    number::DO_REPOSITION,
+    number::DO_SET_HOME,
+    number::DO_SET_ROI_LOCATION,
+    number::DO_SET_ROI,
+];
+
 const UNSUPPORTED: Meaning = Meaning::Answer(CommandResult::Unsupported);
 
-type Translated = Result<Request, CommandResult>;
-
-fn arm(p: &Parameters) -> Translated {
-    match (p.number(1), p.is(2, FORCE)) {
-        (1.0, force) => Ok(Request::Arm { force }),
-        (0.0, true) => Ok(Request::Kill),
-        (0.0, false) => Ok(Request::Disarm),
-        _ => Err(CommandResult::Denied),
-    }
-}
-
-/// QGroundControl sends PX4 the altitude above the sea; others send it above home.
-fn takeoff(p: &Parameters, identity: Identity) -> Request {
-    let implied = match identity {
-        Identity::Px4 => Altitude::SeaLevel,
-        Identity::Generic => Altitude::Home,
-    };
-    Request::Takeoff {
-        altitude: p.altitude(implied),
-        heading: p.get(4).map(|degrees| degrees * DEGREE),
-    }
-}
-
-/// With neither place nor altitude it is QGroundControl's pause. The heading is in rad already.
-fn reposition(p: &Parameters) -> Request {
-    let altitude = p.altitude(Altitude::SeaLevel);
-    if p.ground.is_none() && altitude.is_none() {
-        return Request::Hold;
-    }
-    Request::Reposition {
-        place: p.ground,
-        altitude,
-        heading: p.get(4),
-        speed: p.get(1).filter(|speed| *speed > 0.0),
-    }
-}
-
-fn speed(p: &Parameters) -> Translated {
-    // 0 is air speed: to a multicopter the same as ground speed.
-    let kind = match p.number(1) {
-        0.0 | 1.0 => SpeedKind::Ground,
-        2.0 => SpeedKind::Climb,
-        3.0 => SpeedKind::Descent,
-        _ => return Err(CommandResult::Denied),
-    };
-    let speed = p.get(2).filter(|speed| *speed != -1.0 && *speed != -2.0);
-    match speed {
-        Some(speed) if speed <= 0.0 => Err(CommandResult::Denied),
-        speed => Ok(Request::ChangeSpeed { kind, speed }),
-    }
-}
-
-/// Parameter 1 is the altitude, 2 the frame that it counts in.
-fn altitude(p: &Parameters) -> Translated {
-    let value = p.get(1).ok_or(CommandResult::Denied)?;
-    let altitude = match datum(p.number(2) as u8) {
-        Datum::SeaLevel => Altitude::SeaLevel(value),
-        Datum::Home => Altitude::Home(value),
-        _ => return Err(CommandResult::UnsupportedFrame),
-    };
-    Ok(Request::Reposition {
-        place: None,
-        altitude: Some(altitude),
-        heading: None,
-        speed: None,
-    })
-}
-
-fn mode(p: &Parameters) -> Translated {
-    const CUSTOM: u8 = 1;
-    if p.number(1) as u8 & CUSTOM == 0 {
-        return Err(CommandResult::Denied);
-    }
-    Mode::from_numbers(p.number(2) as u8, p.number(3) as u8)
-        .map(Request::SetMode)
-        .ok_or(CommandResult::Denied)
-}
-
-fn index(p: &Parameters, number: usize) -> Result<u16, CommandResult> {
-    match p.number(number) {
-        index @ 0.0..=65_534.0 => Ok(index as u16),
-        _ => Err(CommandResult::Denied),
-    }
-}
-
-fn home(p: &Parameters) -> Translated {
-    if p.is(1, 1.0) {
-        return Ok(Request::SetHome(None));
-    }
-    p.place()
-        .map(|place| Request::SetHome(Some(place)))
-        .ok_or(CommandResult::Denied)
-}
-
-/// One calibration at a time; none at all ends the one that is under way.
-fn calibration(p: &Parameters) -> Translated {
-    let wanted = [1, 2, 3, 4, 5].map(|number| p.number(number));
-    Ok(Request::Calibrate(match wanted {
-        [0.0, 0.0, 0.0, 0.0, 0.0] => Calibration::Cancel,
-        [1.0, 0.0, 0.0, 0.0, 0.0] => Calibration::Gyro,
-        [0.0, 1.0, 0.0, 0.0, 0.0] => Calibration::Compass,
-        [0.0, 0.0, 1.0, 0.0, 0.0] => Calibration::Pressure,
-        [0.0, 0.0, 0.0, 1.0, 0.0] => Calibration::Radio,
-        [0.0, 0.0, 0.0, 0.0, 1.0] => Calibration::Accelerometer,
-        [0.0, 0.0, 0.0, 0.0, 2.0] => Calibration::Level,
-        [0.0, 0.0, 0.0, 0.0, 4.0] => Calibration::AccelerometerOffset,
-        _ => return Err(CommandResult::Denied),
-    }))
-}
-
-fn storage(p: &Parameters) -> Translated {
-    match p.number(1) {
-        1.0 => Ok(Request::StoreParameters),
-        2.0 | 3.0 => Ok(Request::ResetParameters),
-        _ => Err(CommandResult::Denied),
-    }
-}
-
-fn reboot(p: &Parameters) -> Translated {
-    match p.number(1) {
-        1.0 => Ok(Request::Reboot),
-        _ => Err(CommandResult::Denied),
-    }
-}
-
-/// Throttle in percent (type 0) or as a pulse of 1000 to 2000 µs (type 1), for some seconds.
-fn motor_test(p: &Parameters) -> Translated {
-    let throttle = match p.number(2) {
-        0.0 => p.number(3) / 100.0,
-        1.0 => (p.number(3) - 1000.0) * 1e-3,
-        _ => return Err(CommandResult::Denied),
-    };
-    motor(p.number(1), throttle, p.number(4))
-}
-
-/// `ACTUATOR_OUTPUT_FUNCTION` 1 to 8 are motors; a value of NaN ends the test.
-fn actuator_test(p: &Parameters) -> Translated {
-    let duration = p.number(2);
-    match p.get(1) {
-        None => motor(p.number(5), 0.0, duration),
-        Some(value) if value < 0.0 => Err(CommandResult::Denied),
-        Some(value) => motor(p.number(5), value, duration),
-    }
-}
-
-fn motor(number: f32, throttle: f32, duration: f32) -> Translated {
-    let fits = (1.0..=8.0).contains(&number)
-        && (0.0..=1.0).contains(&throttle)
-        && (0.0..=LONGEST_TEST).contains(&duration);
-    if !fits {
-        return Err(CommandResult::Denied);
-    }
-    Ok(Request::TestMotor {
-        motor: number as u8,
-        throttle,
-        duration,
-    })
-}
-
-#[inline(never)]
-fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
-    let request = match command {
-        number::IMAGE_START_CAPTURE => Request::TakePhotos {
-            interval: p.number(2),
-            count: p.number(3) as u32,
-        },
-        number::IMAGE_STOP_CAPTURE => Request::StopPhotos,
-        number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Request::TakePhotos {
-            interval: 0.0,
-            count: 1,
-        },
-        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) => Request::TakePhotos {
-            interval: 0.0,
-            count: 1,
-        },
-        number::DO_SET_CAM_TRIGG_DIST => Request::PhotosByDistance {
-            distance: p.number(1),
-        },
-        _ => return None,
-    };
-    Some(match request {
-        Request::TakePhotos { interval, .. } if interval < 0.0 => Meaning::Answer(CommandResult::Denied),
-        Request::PhotosByDistance { distance } if distance < 0.0 => Meaning::Answer(CommandResult::Denied),
-        request => Meaning::Request(request),
-    })
-}
+/// A request, or the answer in its place.
+pub(super) type Translated = Result<Request, CommandResult>;
 
 /// Commands about messages: `HOME_POSITION` 242, `PROTOCOL_VERSION` 300, `AUTOPILOT_VERSION` 148.
 #[inline(never)]

@@ -13,11 +13,14 @@ use crate::parameters;
 use crate::request::Request;
 use crate::setpoints;
 use crate::streams::{self, encode};
-use crate::text::Severity;
-use crate::wire::Payload;
+use crate::text::{Plain, Severity, Whole};
+use crate::wire::{Message, Payload};
 
 /// `MAV_TYPE_GCS`.
 const GROUND_STATION: u8 = wire::MavType::MAV_TYPE_GCS as u8;
+
+/// `MAV_MODE_FLAG_CUSTOM_MODE_ENABLED`.
+const CUSTOM_MODE: u8 = wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.bits();
 
 /// Messages that must not act twice when the network repeats them.
 const ONCE: [u32; 5] = [
@@ -36,7 +39,7 @@ impl Core {
             return;
         }
         self.losses.note(frame.source, frame.sequence);
-        if !self.signing.accepts(frame, now) {
+        if !context.signing.accepts(frame, now) {
             return;
         }
         if ONCE.contains(&frame.id) && self.recent.has(frame, now) {
@@ -47,7 +50,7 @@ impl Core {
             || self.take_parameter(frame, now, context)
             || self.take_command(frame, now, context)
             || self.take_setpoint(frame)
-            || self.take_other(frame, now);
+            || self.take_other(frame, now, context);
         if !understood {
             self.unknown = self.unknown.saturating_add(1);
         }
@@ -65,8 +68,8 @@ impl Core {
         let service = &mut self.mission;
         match frame.id {
             wire::MISSION_COUNT_DATA::ID => service.count(payload, from, around),
-            wire::MISSION_ITEM_INT_DATA::ID => service.take(payload, from, around),
-            wire::MISSION_ITEM_DATA::ID => service.take_float(payload, from, around),
+            wire::MISSION_ITEM_INT_DATA::ID => service.take(payload, false, from, around),
+            wire::MISSION_ITEM_DATA::ID => service.take(payload, true, from, around),
             wire::MISSION_REQUEST_LIST_DATA::ID => service.list(payload, from, around),
             wire::MISSION_REQUEST_INT_DATA::ID | wire::MISSION_REQUEST_DATA::ID => {
                 service.item(payload, from, around);
@@ -84,17 +87,10 @@ impl Core {
 
     /// `MISSION_SET_CURRENT`: the answer is what is current then.
     fn set_current(&mut self, payload: Payload<'_>, from: Address, now: u64, context: &Context<'_>) {
-        let Some(asked) = payload.read::<wire::MISSION_SET_CURRENT_DATA>() else {
-            return;
-        };
-        if !self
-            .config
-            .address
-            .is_meant(asked.target_system, asked.target_component)
-        {
+        if !payload.is_for(self.config.address, 2) {
             return;
         }
-        let index = asked.seq;
+        let index = payload.word(0);
         if index < context.plans.committed(mission::PlanKind::Mission).count {
             let request = Request::SetCurrentItem { index };
             self.outbox.request(Order {
@@ -103,7 +99,7 @@ impl Core {
                 id: None,
             });
         } else {
-            let text = format_args!("mission has no item {index}");
+            let text = format_args!("mission has no item {}", Whole(index.into()));
             self.outbox.say(Severity::Warning, text);
         }
         self.streams.hasten(streams::MISSION_CURRENT, now);
@@ -120,7 +116,7 @@ impl Core {
         };
         match frame.id {
             wire::PARAM_REQUEST_LIST_DATA::ID => self.parameters.list(payload, self.config.address),
-            wire::PARAM_REQUEST_READ_DATA::ID => self.parameters.read(payload, around),
+            wire::PARAM_REQUEST_READ_DATA::ID => self.parameters.read(payload, from, around),
             wire::PARAM_SET_DATA::ID => self.parameters.set(payload, from, around),
             _ => return false,
         }
@@ -159,15 +155,23 @@ impl Core {
     fn do_ours(&mut self, ours: Ours, now: u64, context: &Context<'_>) -> (CommandResult, Option<Reply>) {
         let number = |message: u32| u16::try_from(message).unwrap_or(u16::MAX);
         match ours {
-            Ours::Once { message: 148, .. } => (CommandResult::Accepted, Some(Reply::Version)),
+            Ours::Once { message: 148, .. } => {
+                self.say_version();
+                (CommandResult::Accepted, Some(Reply::Version))
+            }
             Ours::Once { message: 300, .. } => (CommandResult::Accepted, Some(Reply::Protocol)),
             Ours::Once { message, .. } if !streams::exists(message) => (CommandResult::Unsupported, None),
             Ours::Once { message, .. } => {
-                let source = self.source(now, context);
-                match encode::message(number(message), &source) {
-                    Some(_) => (CommandResult::Accepted, Some(Reply::Telemetry(number(message)))),
-                    None => (CommandResult::TemporarilyRejected, None),
+                // Written twice, so that what is not known now is refused.
+                let number = number(message);
+                match encode::message(number, &self.source(now, context), &mut Message::empty()) {
+                    true => (CommandResult::Accepted, Some(Reply::Telemetry(number))),
+                    false => (CommandResult::TemporarilyRejected, None),
                 }
+            }
+            // Whoever hears none believes the vehicle lost.
+            Ours::Every { message: 0, interval } if !matches!(interval, Some(0..=1_000_000)) => {
+                (CommandResult::Denied, None)
             }
             Ours::Every { message, interval } => match self.streams.set(message, interval, now) {
                 true => (CommandResult::Accepted, None),
@@ -177,18 +181,20 @@ impl Core {
         }
     }
 
+    /// Our own version as a line of text: the one that clients are shown is not ours.
+    fn say_version(&mut self) {
+        let version = crate::wire::text(&self.config.version);
+        let text = format_args!("Windhover {}", Plain(version));
+        self.outbox.texts.say(Severity::Info, text);
+    }
+
     /// `SET_MODE`, of clients that know no commands.
     fn set_mode(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SET_MODE_DATA>() else {
-            return;
-        };
-        let custom = asked
-            .base_mode
-            .contains(wire::MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED);
-        if asked.target_system != self.config.address.system || !custom {
+        let is_custom = payload.byte(5) & CUSTOM_MODE != 0;
+        if payload.byte(4) != self.config.address.system || !is_custom {
             return;
         }
-        if let Some(mode) = Mode::from_custom(asked.custom_mode) {
+        if let Some(mode) = Mode::from_custom(payload.long(0)) {
             let request = Request::SetMode(mode);
             self.outbox.request(Order {
                 request,
@@ -200,38 +206,34 @@ impl Core {
 
     #[inline(never)]
     fn take_setpoint(&mut self, frame: &Frame<'_>) -> bool {
-        let (from, payload, own) = (frame.source, Payload(frame.payload), self.config.address);
-        let with = |setpoint| Some((from, setpoint));
-        match frame.id {
-            wire::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
-                self.setpoint = setpoints::local(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => {
-                self.setpoint = setpoints::global(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::SET_ATTITUDE_TARGET_DATA::ID => {
-                self.setpoint = setpoints::attitude(payload, own).and_then(with).or(self.setpoint);
-            }
-            wire::MANUAL_CONTROL_DATA::ID => {
-                let sticks = setpoints::sticks(payload, own);
-                self.sticks = sticks.map(|sticks| (from, sticks)).or(self.sticks);
-            }
-            wire::RC_CHANNELS_OVERRIDE_DATA::ID => {
-                let channels = setpoints::channels(payload, own);
-                self.channels = channels.map(|channels| (from, channels)).or(self.channels);
-            }
+        let (payload, own) = (Payload(frame.payload), self.config.address);
+        let (place, request) = match frame.id {
+            wire::SET_POSITION_TARGET_LOCAL_NED_DATA::ID => (0, setpoints::local(payload, own)),
+            wire::SET_POSITION_TARGET_GLOBAL_INT_DATA::ID => (0, setpoints::global(payload, own)),
+            wire::SET_ATTITUDE_TARGET_DATA::ID => (0, setpoints::attitude(payload, own)),
+            wire::MANUAL_CONTROL_DATA::ID => (1, setpoints::sticks(payload, own)),
+            wire::RC_CHANNELS_OVERRIDE_DATA::ID => (2, setpoints::channels(payload, own)),
             _ => return false,
+        };
+        if let Some(request) = request
+            && let Some(place) = self.newest.get_mut(place)
+        {
+            *place = Some(Order {
+                request,
+                from: frame.source,
+                id: None,
+            });
         }
         true
     }
 
     #[inline(never)]
-    fn take_other(&mut self, frame: &Frame<'_>, now: u64) -> bool {
+    fn take_other(&mut self, frame: &Frame<'_>, now: u64, context: &Context<'_>) -> bool {
         let (from, payload) = (frame.source, Payload(frame.payload));
         match frame.id {
             wire::HEARTBEAT_DATA::ID => {
                 // An unsigned one may be anybody's.
-                let trusted = frame.signature.is_some() || !self.signing.is_on();
+                let trusted = frame.signature.is_some() || !context.signing.is_on();
                 if payload.byte(4) == GROUND_STATION && trusted {
                     self.station = Some(now);
                 }
@@ -248,12 +250,9 @@ impl Core {
     }
 
     fn ping(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::PING_DATA>() else {
-            return;
-        };
         // With a target it is somebody's answer.
-        if (asked.target_system, asked.target_component) == (0, 0) {
-            let (time, sequence) = (asked.time_usec, asked.seq);
+        if payload.word(12) == 0 {
+            let (time, sequence) = (payload.huge(0), payload.long(8));
             self.outbox.reply(Reply::Pong {
                 to: from,
                 time,
@@ -263,18 +262,12 @@ impl Core {
     }
 
     fn time(&mut self, payload: Payload<'_>, from: Address, now: u64) {
-        let Some(asked) = payload.read::<wire::TIMESYNC_DATA>() else {
-            return;
-        };
-        let meant = self
-            .config
-            .address
-            .is_meant(asked.target_system, asked.target_component);
-        if asked.tc1 == 0 && meant {
-            let ours = i64::try_from(now.saturating_mul(1000)).unwrap_or(i64::MAX);
+        let is_asked = payload.huge(0) == 0;
+        if is_asked && payload.is_for(self.config.address, 16) {
+            let ours = now.saturating_mul(1000);
             self.outbox.reply(Reply::Time {
                 to: from,
-                theirs: asked.ts1,
+                theirs: payload.huge(8),
                 ours,
             });
         }
@@ -283,7 +276,7 @@ impl Core {
     /// There are no files: whatever is asked is refused at once. Answers are not answered.
     fn files(&mut self, payload: Payload<'_>, from: Address) {
         let answer = payload.byte(6) >= 128;
-        if answer || !self.config.address.is_meant(payload.byte(1), payload.byte(2)) {
+        if answer || !payload.is_for(self.config.address, 1) {
             return;
         }
         self.outbox.reply(Reply::NoFiles {
@@ -295,15 +288,12 @@ impl Core {
     }
 
     fn setup_signing(&mut self, payload: Payload<'_>, from: Address) {
-        let Some(asked) = payload.read::<wire::SETUP_SIGNING_DATA>() else {
-            return;
-        };
-        if asked.target_system != self.config.address.system {
+        if payload.byte(8) != self.config.address.system {
             return;
         }
         let request = Request::SetSigningKey {
-            secret: asked.secret_key,
-            time: asked.initial_timestamp,
+            secret: payload.bytes(10),
+            time: payload.huge(0),
         };
         self.outbox.request(Order {
             request,

@@ -1,4 +1,6 @@
 //! All services on one channel.
+//!
+//! What a caller calls is `inline(never)`: callers are compiled for speed.
 
 mod dispatch;
 mod recent;
@@ -16,9 +18,7 @@ use crate::frame::{Address, Counts, Losses, Parser, Writer};
 use crate::mission::{MissionService, PlanStore};
 use crate::outbox::{Dropped, Order, Outbox, Reply};
 use crate::parameters::{self, ParameterService, ParameterTable};
-use crate::request::Request;
-use crate::setpoints::{Channels, Setpoint, Sticks};
-use crate::signing::{Refusals, Signing};
+use crate::signing::Signing;
 use crate::streams::Streams;
 use crate::streams::budget::Budget;
 use crate::telemetry::Telemetry;
@@ -27,11 +27,12 @@ use crate::text::Severity;
 use recent::Recent;
 use send::Shown;
 
-/// The start of a frame that waits for its end for so long is given up, µs.
-const STALE: u64 = 250_000;
+/// The start of a frame that waits for its end for so long is given up, µs: noise that looks like
+/// one must not hold up the command behind it for longer than a command may wait.
+const STALE: u64 = 80_000;
 
 /// Photos that wait to be told.
-const PHOTOS: usize = 4;
+const PHOTOS: usize = 8;
 
 /// What is settled when a link begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +47,7 @@ pub struct Config {
     pub channel: u8,
     /// Unique number of the board.
     pub uid: u64,
-    /// Our own version, as eight bytes of text or of a hash.
+    /// Our own version: up to eight bytes of text.
     pub version: [u8; 8],
 }
 
@@ -75,6 +76,8 @@ pub struct Context<'a> {
     pub parameters: &'a dyn ParameterTable,
     /// Mission, fence and rally points.
     pub plans: &'a mut dyn PlanStore,
+    /// Who may speak: one for all channels.
+    pub signing: &'a mut Signing,
 }
 
 /// A photo that was taken.
@@ -101,8 +104,6 @@ pub struct Counters {
     pub unknown: u32,
     /// Frames that the network repeated.
     pub repeated: u32,
-    /// Frames refused for their signature.
-    pub signing: Refusals,
     /// What found no room.
     pub dropped: Dropped,
     /// Lines of text that found no room.
@@ -125,7 +126,6 @@ pub struct Link {
 struct Core {
     config: Config,
     writer: Writer,
-    signing: Signing,
     losses: Losses,
     recent: Recent,
     outbox: Outbox,
@@ -135,9 +135,8 @@ struct Core {
     streams: Streams,
     budget: Budget,
     photos: Deque<Photo, PHOTOS>,
-    setpoint: Option<(Address, Setpoint)>,
-    sticks: Option<(Address, Sticks)>,
-    channels: Option<(Address, Channels)>,
+    /// The newest setpoint, sticks and channels.
+    newest: [Option<Order>; 3],
     shown: Shown,
     /// When a ground station's heartbeat came last, µs.
     station: Option<u64>,
@@ -147,6 +146,7 @@ struct Core {
 
 impl Link {
     /// A link that has heard nothing yet.
+    #[inline(never)]
     pub fn new(config: Config) -> Self {
         Self {
             parser: Parser::default(),
@@ -154,7 +154,6 @@ impl Link {
             core: Core {
                 config,
                 writer: Writer::new(config.address),
-                signing: Signing::new(config.channel),
                 losses: Losses::default(),
                 recent: Recent::default(),
                 outbox: Outbox::default(),
@@ -164,9 +163,7 @@ impl Link {
                 streams: Streams::default(),
                 budget: Budget::new(config.bandwidth),
                 photos: Deque::new(),
-                setpoint: None,
-                sticks: None,
-                channels: None,
+                newest: [None; 3],
                 shown: Shown::default(),
                 station: None,
                 unknown: 0,
@@ -176,50 +173,54 @@ impl Link {
     }
 
     /// Takes bytes that have come, at `now` µs.
+    #[inline(never)]
     pub fn receive(&mut self, bytes: &[u8], now: u64, context: &mut Context<'_>) {
         let Self { parser, heard, core } = self;
         *heard = now;
         parser.feed(bytes, |frame| core.take(frame, now, context));
     }
 
+    /// Takes a packet that has come whole, such as a datagram of UDP, at `now` µs: what it leaves
+    /// unfinished is given up at once, so that no packet can hold up the next one.
+    pub fn receive_packet(&mut self, packet: &[u8], now: u64, context: &mut Context<'_>) {
+        self.receive(packet, now, context);
+        self.give_up(now, context);
+    }
+
+    /// No more bytes will come for what waits.
+    #[inline(never)]
+    fn give_up(&mut self, now: u64, context: &mut Context<'_>) {
+        let Self { parser, core, .. } = self;
+        parser.give_up(|frame| core.take(frame, now, context));
+    }
+
     /// Gives the frames that are to be sent at `now` µs, each to one call of `out`. To be called
     /// every few milliseconds.
-    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
-        let Self { parser, heard, core } = self;
-        if parser.waits() && now.saturating_sub(*heard) >= STALE {
-            parser.give_up(|frame| core.take(frame, now, context));
+    #[inline(never)]
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut dyn FnMut(&[u8])) {
+        if self.parser.waits() && now.saturating_sub(self.heard) >= STALE {
+            self.give_up(now, context);
         }
-        core.poll(now, context, out);
+        self.core.poll(now, context, out);
     }
 
     /// What a ground station wants of the vehicle: commands in the order in which they came, then
     /// the newest setpoint and sticks.
+    #[inline(never)]
     pub fn next_request(&mut self) -> Option<Order> {
-        let core = &mut self.core;
-        let plain = |from, request| Order {
-            request,
-            from,
-            id: None,
-        };
-        if let Some(order) = core.outbox.next_request() {
-            return Some(order);
-        }
-        if let Some((from, setpoint)) = core.setpoint.take() {
-            return Some(plain(from, Request::Offboard(setpoint)));
-        }
-        if let Some((from, sticks)) = core.sticks.take() {
-            return Some(plain(from, Request::Sticks(sticks)));
-        }
-        let (from, channels) = core.channels.take()?;
-        Some(plain(from, Request::Channels(channels)))
+        let Core { outbox, newest, .. } = &mut self.core;
+        let next = outbox.next_request();
+        next.or_else(|| newest.iter_mut().find_map(Option::take))
     }
 
     /// Answers a command. The first final answer counts; [`CommandResult::InProgress`] is not one.
+    #[inline(never)]
     pub fn finish(&mut self, id: CommandId, result: CommandResult, now: u64) {
         self.core.commands.finish(id, result, &mut self.core.outbox, now);
     }
 
     /// Tells how far a command has come, in percent.
+    #[inline(never)]
     pub fn progress(&mut self, id: CommandId, percent: u8, now: u64) {
         self.core
             .commands
@@ -227,6 +228,7 @@ impl Link {
     }
 
     /// Tells that a write to the parameter table was refused.
+    #[inline(never)]
     pub fn parameter_refused(&mut self, index: u16, refusal: Refusal, table: &dyn ParameterTable, now: u64) {
         let core = &mut self.core;
         let mut around = parameters::Surroundings {
@@ -239,43 +241,32 @@ impl Link {
     }
 
     /// Tells that a parameter has changed without a ground station having asked for it.
+    #[inline(never)]
     pub fn parameter_changed(&mut self, index: u16) {
         self.core.outbox.reply(Reply::Parameter(index));
     }
 
     /// Sends a line of text.
+    #[inline(never)]
     pub fn say(&mut self, severity: Severity, text: fmt::Arguments<'_>) {
         self.core.outbox.say(severity, text);
     }
 
     /// Tells that an item of the mission was reached.
+    #[inline(never)]
     pub fn item_reached(&mut self, index: u16) {
         self.core.outbox.reply(Reply::Reached(index));
     }
 
-    /// Tells that a photo was taken. The oldest one that was not told yet makes room.
+    /// Tells that a photo was taken. The oldest one that was not told yet makes room, and counts.
+    #[inline(never)]
     pub fn photo_taken(&mut self, photo: Photo) {
-        let photos = &mut self.core.photos;
+        let Core { photos, outbox, .. } = &mut self.core;
         if photos.is_full() {
             photos.pop_front();
+            outbox.dropped.photos = outbox.dropped.photos.saturating_add(1);
         }
         let _ = photos.push_back(photo);
-    }
-
-    /// From now on only frames signed with this key are acted on. `time` is in 10 µs since
-    /// 2015-01-01, later than all that was ever signed with it.
-    pub fn set_signing_key(&mut self, secret: [u8; 32], time: u64, now: u64) {
-        self.core.signing.set_key(secret, time, now);
-    }
-
-    /// Acts on unsigned frames again.
-    pub fn clear_signing_key(&mut self) {
-        self.core.signing.clear_key();
-    }
-
-    /// The time of signing to be stored for the next start; `None` without a key.
-    pub fn signing_time(&self, now: u64) -> Option<u64> {
-        self.core.signing.time(now)
     }
 
     /// Introduces the vehicle as another autopilot from now on.
@@ -289,6 +280,7 @@ impl Link {
     }
 
     /// What was counted since start.
+    #[inline(never)]
     pub fn counters(&self) -> Counters {
         let core = &self.core;
         Counters {
@@ -296,7 +288,6 @@ impl Link {
             lost: core.losses.lost(),
             unknown: core.unknown,
             repeated: core.repeated,
-            signing: core.signing.refusals(),
             dropped: core.outbox.dropped,
             texts: core.outbox.texts.dropped(),
             left_out: core.streams.left_out(),

@@ -1,19 +1,25 @@
 //! What is sent, in the order of importance: heartbeat, answers, text, photos, then streams and the
 //! list of parameters in turn.
 
+use mavlink::MessageData;
 use mavlink::dialects::common::{
-    FILE_TRANSFER_PROTOCOL_DATA, MESSAGE_INTERVAL_DATA, PING_DATA, TIMESYNC_DATA,
+    FILE_TRANSFER_PROTOCOL_DATA, MESSAGE_INTERVAL_DATA, MISSION_ITEM_REACHED_DATA, PARAM_ERROR_DATA,
+    PING_DATA, TIMESYNC_DATA,
 };
 
 use super::{Context, Core};
 use crate::commands;
-use crate::frame::{Address, MAX_FRAME};
+use crate::frame::{Address, MAX_FRAME, Sign};
 use crate::mission::{self, PlanKind};
 use crate::outbox::Reply;
 use crate::parameters;
+use crate::signing::Signing;
 use crate::streams::{self, encode, version};
 use crate::telemetry::{Landed, Telemetry};
 use crate::wire::Message;
+
+/// What is given the frames.
+type Out<'a> = &'a mut dyn FnMut(&[u8]);
 
 /// The code in a file transfer that refuses, and the reason "unknown command".
 const REFUSED: u8 = 129;
@@ -41,21 +47,28 @@ impl Shown {
 
 impl Core {
     /// Sends what is due.
-    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: &mut impl FnMut(&[u8])) {
+    pub fn poll(&mut self, now: u64, context: &mut Context<'_>, out: Out<'_>) {
         self.go_on(now, context);
         self.notice(now, context);
         self.budget.advance(now);
+        let m = &mut Message::empty();
         if self.streams.heartbeat(now) {
-            self.send_telemetry(streams::HEARTBEAT, now, context, out);
+            self.send_telemetry(streams::HEARTBEAT, now, context, m, out);
+        }
+        // Whatever else waits: they are shorter than what they answer.
+        while let Some(reply) = self.outbox.next_acknowledgement() {
+            if self.answer(&reply, now, context, m).is_some() {
+                self.send(m, now, context.signing, out);
+            }
         }
         while self.budget.allows_answer()
             && let Some(reply) = self.outbox.next_reply()
         {
-            if let Some(message) = self.answer(&reply, now, context) {
-                self.send(&message, now, out);
+            if self.answer(&reply, now, context, m).is_some() {
+                self.send(m, now, context.signing, out);
             }
         }
-        self.send_rest(now, context, out);
+        self.send_rest(now, context, m, out);
     }
 
     /// Lets the services notice that time has passed.
@@ -79,45 +92,46 @@ impl Core {
     fn notice(&mut self, now: u64, context: &Context<'_>) {
         let mission = context.plans.committed(PlanKind::Mission).crc;
         let shown = Shown::of(context.telemetry, mission);
-        let changes = [
-            (shown.heartbeat != self.shown.heartbeat, streams::HEARTBEAT),
-            (shown.landed != self.shown.landed, streams::EXTENDED_SYS_STATE),
-            (shown.mission != self.shown.mission, streams::MISSION_CURRENT),
-            (shown.home != self.shown.home, streams::HOME_POSITION),
-        ];
-        for (_, message) in changes.into_iter().filter(|(changed, _)| *changed) {
-            self.streams.hasten(message, now);
+        if shown.heartbeat != self.shown.heartbeat {
+            self.streams.hasten(streams::HEARTBEAT, now);
+        }
+        if shown.landed != self.shown.landed {
+            self.streams.hasten(streams::EXTENDED_SYS_STATE, now);
+        }
+        if shown.mission != self.shown.mission {
+            self.streams.hasten(streams::MISSION_CURRENT, now);
+        }
+        if shown.home != self.shown.home {
+            self.streams.hasten(streams::HOME_POSITION, now);
         }
         self.shown = shown;
     }
 
     /// What has to wait for the budget.
     #[inline(never)]
-    fn send_rest(&mut self, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
+    fn send_rest(&mut self, now: u64, context: &mut Context<'_>, m: &mut Message, out: Out<'_>) {
         if self.outbox.has_replies() {
             return;
         }
-        while self.budget.allows()
-            && let Some(message) = self.outbox.texts.next()
-        {
-            self.send(&message, now, out);
+        while self.budget.allows() && self.outbox.texts.next(m).is_some() {
+            self.send(m, now, context.signing, out);
         }
         while self.budget.allows()
             && let Some(photo) = self.photos.pop_front()
         {
-            let message = encode::image_captured(&photo, &self.source(now, context));
-            self.send(&message, now, out);
+            encode::image_captured(&photo, &self.source(now, context), m);
+            self.send(m, now, context.signing, out);
         }
         while self.budget.allows() {
             let stream = self.streams.next(now);
             if let Some(number) = stream {
-                self.send_telemetry(number, now, context, out);
+                self.send_telemetry(number, now, context, m, out);
             }
             let listed = self.parameters.next_of_list(context.parameters);
             if let Some(index) = listed
-                && let Some(message) = parameters::value_message(context.parameters, index)
+                && parameters::value_message(context.parameters, index, m).is_some()
             {
-                self.send(&message, now, out);
+                self.send(m, now, context.signing, out);
             }
             if stream.is_none() && listed.is_none() {
                 break;
@@ -126,25 +140,29 @@ impl Core {
     }
 
     #[inline(never)]
-    fn send_telemetry(&mut self, number: u16, now: u64, context: &Context<'_>, out: &mut impl FnMut(&[u8])) {
-        if let Some(message) = encode::message(number, &self.source(now, context)) {
-            self.send(&message, now, out);
+    fn send_telemetry(
+        &mut self,
+        number: u16,
+        now: u64,
+        context: &mut Context<'_>,
+        m: &mut Message,
+        out: Out<'_>,
+    ) {
+        if encode::message(number, &self.source(now, context), m) {
+            self.send(m, now, context.signing, out);
         }
     }
 
     /// Makes a frame around a message, signed if there is a key.
     #[inline(never)]
-    fn send(&mut self, message: &Message, now: u64, out: &mut impl FnMut(&[u8])) {
+    fn send(&mut self, message: &Message, now: u64, signing: &mut Signing, out: Out<'_>) {
         let mut buffer = [0; MAX_FRAME];
-        let signing = &mut self.signing;
-        let length = if signing.is_on() {
-            let mut sign = |covered: &[u8]| signing.sign(covered, now);
-            self.writer
-                .write(&mut buffer, message.id, message.payload(), Some(&mut sign))
-        } else {
-            self.writer
-                .write(&mut buffer, message.id, message.payload(), None)
-        };
+        let (is_signed, channel) = (signing.is_on(), self.config.channel);
+        let mut sign = |covered: &[u8]| signing.sign(covered, channel, now);
+        let sign: Option<Sign<'_>> = if is_signed { Some(&mut sign) } else { None };
+        let length = self
+            .writer
+            .write(&mut buffer, message.id, message.payload(), sign);
         if let Some(frame) = length.and_then(|length| buffer.get(..length)) {
             self.budget.spend(frame.len());
             out(frame);
@@ -170,79 +188,80 @@ impl Core {
 
     /// An answer as a message; `None` when what was asked for is gone.
     #[inline(never)]
-    fn answer(&self, reply: &Reply, now: u64, context: &Context<'_>) -> Option<Message> {
-        Some(match *reply {
+    fn answer(&self, reply: &Reply, now: u64, context: &Context<'_>, m: &mut Message) -> Option<()> {
+        match *reply {
             Reply::Command {
                 to,
                 command,
                 result,
                 progress,
-            } => commands::ack_message(to, command, result, progress),
-            Reply::PlanAck { to, kind, result } => mission::ack_message(to, kind, result),
-            Reply::PlanCount { to, kind, count, crc } => mission::count_message(to, kind, count, crc),
-            Reply::PlanRequest { to, kind, index } => mission::request_message(to, kind, index),
-            Reply::PlanItem { to, kind, index } => item(to, kind, index, context)?,
-            Reply::Reached(index) => encode::reached(index),
-            Reply::Parameter(index) => parameters::value_message(context.parameters, index)?,
-            Reply::ParameterHash => parameters::hash_message(context.parameters),
-            Reply::Telemetry(number) => encode::message(number, &self.source(now, context))?,
-            Reply::Version => version::autopilot(self.config.uid, self.config.version),
-            Reply::Protocol => version::protocol(),
-            Reply::Interval(message) => interval(message, self.streams.interval(u32::from(message))),
-            Reply::Pong { to, time, sequence } => Message::of(&PING_DATA {
-                time_usec: time,
-                seq: sequence,
-                target_system: to.system,
-                target_component: to.component,
-            }),
-            Reply::Time { to, theirs, ours } => Message::of(&TIMESYNC_DATA {
-                tc1: ours,
-                ts1: theirs,
-                target_system: to.system,
-                target_component: to.component,
-            }),
+            } => commands::ack_message(to, command, result, progress, m),
+            Reply::PlanAck { to, kind, result } => {
+                let plan = PlanKind::from_code(kind).map(|kind| context.plans.committed(kind).crc);
+                mission::ack_message(to, kind, result, plan.unwrap_or_default(), m);
+            }
+            Reply::PlanCount { to, kind, count, crc } => mission::count_message(to, kind, count, crc, m),
+            Reply::PlanRequest { to, kind, index } => mission::request_message(to, kind, index, m),
+            Reply::PlanItem { to, kind, index } => item(to, kind, index, context, m)?,
+            Reply::Reached(index) => {
+                m.start(MISSION_ITEM_REACHED_DATA::ID).word(index);
+            }
+            Reply::Parameter(index) => parameters::value_message(context.parameters, index, m)?,
+            Reply::ParameterHash => parameters::hash_message(context.parameters, m),
+            Reply::ParameterError { to, index, id, error } => {
+                m.start(PARAM_ERROR_DATA::ID).short(index).target(to);
+                m.bytes(&id).byte(error);
+            }
+            Reply::Telemetry(number) => {
+                return encode::message(number, &self.source(now, context), m).then_some(());
+            }
+            Reply::Version => version::autopilot(self.config.uid, self.config.version, m),
+            Reply::Protocol => version::protocol(m),
+            Reply::Interval(message) => interval(message, self.streams.interval(u32::from(message)), m),
+            Reply::Pong { to, time, sequence } => {
+                m.start(PING_DATA::ID).huge(time).long(sequence).target(to);
+            }
+            Reply::Time { to, theirs, ours } => {
+                m.start(TIMESYNC_DATA::ID).huge(ours).huge(theirs).target(to);
+            }
             Reply::NoFiles {
                 to,
                 sequence,
                 session,
                 opcode,
-            } => no_files(to, sequence, session, opcode),
-        })
+            } => no_files(to, sequence, session, opcode, m),
+        }
+        Some(())
     }
 }
 
 /// An item of the plan in use.
-fn item(to: Address, kind: PlanKind, index: u16, context: &Context<'_>) -> Option<Message> {
+fn item(to: Address, kind: PlanKind, index: u16, context: &Context<'_>, m: &mut Message) -> Option<()> {
     let plan = context.plans.committed(kind);
     let item = context.plans.item(kind, plan.slot, index)?;
     let current = kind == PlanKind::Mission && context.telemetry.mission.current == index;
-    Some(mission::item_message(to, kind, index, current, &item))
+    mission::item_message(to, kind, index, current, &item, m);
+    Some(())
 }
 
 /// `MESSAGE_INTERVAL`: -1 is never, 0 says that there is no such message.
-fn interval(message: u16, interval: Option<u32>) -> Message {
-    let interval_us = match interval {
+fn interval(message: u16, interval: Option<u32>, m: &mut Message) {
+    let interval = match interval {
         None => 0,
         Some(0) => -1,
         Some(interval) => i32::try_from(interval).unwrap_or(i32::MAX),
     };
-    Message::of(&MESSAGE_INTERVAL_DATA {
-        interval_us,
-        message_id: message,
-    })
+    m.start(MESSAGE_INTERVAL_DATA::ID).integer(interval).word(message);
 }
 
-/// `FILE_TRANSFER_PROTOCOL` with a refusal: sequence, session, code, size, what was asked, reason.
-fn no_files(to: Address, sequence: u16, session: u8, opcode: u8) -> Message {
-    Message::of(&FILE_TRANSFER_PROTOCOL_DATA {
-        target_system: to.system,
-        target_component: to.component,
-        ..FILE_TRANSFER_PROTOCOL_DATA::DEFAULT
-    })
-    .with_word(3, sequence)
-    .with_byte(5, session)
-    .with_byte(6, REFUSED)
-    .with_byte(7, 1)
-    .with_byte(8, opcode)
-    .with_byte(15, UNKNOWN_COMMAND)
+/// `FILE_TRANSFER_PROTOCOL` with a refusal: sequence, session, code, size, what was asked, offset,
+/// reason.
+fn no_files(to: Address, sequence: u16, session: u8, opcode: u8, m: &mut Message) {
+    m.start(FILE_TRANSFER_PROTOCOL_DATA::ID)
+        .byte(0) // network
+        .target(to)
+        .word(sequence)
+        .bytes(&[session, REFUSED, 1, opcode])
+        .zeros(6)
+        .byte(UNKNOWN_COMMAND);
 }

@@ -3,9 +3,9 @@
 //! Nothing has to be remembered to answer, but one thing: a plan that was exchanged since the
 //! count was told must not be mixed with the one before it.
 
-use heapless::Vec;
+use heapless::Deque;
 
-use super::{DOWNLOADS, MissionResult, MissionService, PlanKind, Surroundings, item_request, list_request};
+use super::{DOWNLOADS, MissionResult, MissionService, PlanKind, Surroundings};
 use crate::frame::Address;
 use crate::outbox::Reply;
 use crate::wire::Payload;
@@ -22,15 +22,8 @@ pub(super) struct Download {
 impl MissionService {
     /// `MISSION_REQUEST_LIST`.
     pub fn list(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = list_request(payload) else {
+        let Some(kind) = around.kind(payload, 0, from) else {
             return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
-            return;
-        }
-        let kind = match kind {
-            Ok(kind) => kind,
-            Err(code) => return around.ack(from, code, MissionResult::Unsupported),
         };
         let plan = around.plans.committed(kind);
         let (count, crc) = (plan.count, plan.crc);
@@ -54,27 +47,20 @@ impl MissionService {
     /// `MISSION_REQUEST_INT`, and `MISSION_REQUEST` of clients that do not know it: both get
     /// integers.
     pub fn item(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = item_request(payload) else {
+        let Some(kind) = around.kind(payload, 2, from) else {
             return;
         };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
-            return;
-        }
-        let kind = match kind {
-            Ok(kind) => kind,
-            Err(code) => return around.ack(from, code, MissionResult::Unsupported),
-        };
+        let index = payload.word(0);
         let plan = around.plans.committed(kind);
-        let known = |download: &&Download| download.client == from && download.kind == kind;
+        let known = |download: &&Download| (download.client, download.kind) == (from, kind);
         let changed = |download: &Download| (download.crc, download.count) != (plan.crc, plan.count);
+        // Until it asks for the count again: this answer may get lost.
         if self.downloads.iter().find(known).is_some_and(changed) {
-            self.downloads.retain(|download| !known(&download));
             return around.ack(from, kind.code(), MissionResult::Cancelled);
         }
-        if asked.seq >= plan.count {
+        if index >= plan.count {
             return around.ack(from, kind.code(), MissionResult::InvalidSequence);
         }
-        let index = asked.seq;
         around.outbox.reply(Reply::PlanItem {
             to: from,
             kind,
@@ -84,10 +70,14 @@ impl MissionService {
 }
 
 /// Keeps a download; the oldest makes room.
-fn remember(downloads: &mut Vec<Download, DOWNLOADS>, download: Download) {
-    downloads.retain(|old| old.client != download.client || old.kind != download.kind);
-    if downloads.is_full() {
-        downloads.remove(0);
+fn remember(downloads: &mut Deque<Download, DOWNLOADS>, download: Download) {
+    let is_same = |old: &&mut Download| (old.client, old.kind) == (download.client, download.kind);
+    if let Some(old) = downloads.iter_mut().find(is_same) {
+        *old = download;
+        return;
     }
-    let _ = downloads.push(download);
+    if downloads.is_full() {
+        downloads.pop_front();
+    }
+    let _ = downloads.push_back(download);
 }

@@ -10,20 +10,21 @@ mod plan;
 mod refusal;
 mod upload;
 
-use heapless::Vec;
+use heapless::Deque;
+use mavlink::MessageData;
 use mavlink::dialects::common::{
-    MISSION_ACK_DATA, MISSION_CLEAR_ALL_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA,
-    MISSION_REQUEST_LIST_DATA, MavMissionType,
+    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_REQUEST_INT_DATA, MavMissionType,
 };
 
 use crate::frame::Address;
 use crate::outbox::{Outbox, Reply};
-use crate::text::Severity;
+use crate::text::{Plain, Severity};
 use crate::wire::{Message, Payload};
 
 use download::Download;
 use upload::{Finished, Upload};
 
+pub(crate) use item::item_message;
 pub use plan::{MissionResult, PlanKind, PlanRefusal, PlanStore};
 
 /// Downloads whose plan is watched for changes.
@@ -42,6 +43,21 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// The kind of plan of a message whose target is in a place, with the kind right behind it;
+    /// `None` when it is for another. A number that is no kind is refused.
+    #[inline(never)]
+    fn kind(&mut self, payload: Payload<'_>, target: usize, from: Address) -> Option<PlanKind> {
+        if !payload.is_for(self.own, target) {
+            return None;
+        }
+        let code = payload.byte(target + 2);
+        let kind = PlanKind::from_code(code);
+        if kind.is_none() {
+            self.ack(from, code, MissionResult::Unsupported);
+        }
+        kind
+    }
+
     #[inline(never)]
     fn ack(&mut self, to: Address, kind: u8, result: MissionResult) {
         self.outbox.reply(Reply::PlanAck { to, kind, result });
@@ -51,9 +67,9 @@ impl Surroundings<'_> {
     #[inline(never)]
     fn refuse(&mut self, to: Address, kind: PlanKind, refusal: &PlanRefusal) {
         self.ack(to, kind.code(), refusal.result);
-        let reason = refusal.reason.as_str();
-        self.outbox
-            .say(Severity::Error, format_args!("{} refused: {reason}", kind.name()));
+        let (kind, reason) = (Plain(kind.name()), Plain(refusal.reason.as_str()));
+        let text = format_args!("{kind} refused: {reason}");
+        self.outbox.say(Severity::Error, text);
     }
 }
 
@@ -62,16 +78,13 @@ impl Surroundings<'_> {
 pub(crate) struct MissionService {
     upload: Option<Upload>,
     finished: Option<Finished>,
-    downloads: Vec<Download, DOWNLOADS>,
+    downloads: Deque<Download, DOWNLOADS>,
 }
 
 impl MissionService {
     /// `MISSION_CLEAR_ALL`.
     pub fn clear(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some(asked) = payload.read_with::<MISSION_CLEAR_ALL_DATA>(&[(2, 0)]) else {
-            return;
-        };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(around.own, 0) {
             return;
         }
         let code = payload.byte(2);
@@ -89,8 +102,8 @@ impl MissionService {
         for kind in kinds {
             if let Err(refusal) = commit_empty(*kind, around.plans) {
                 around.ack(from, code, refusal.result);
-                let reason = refusal.reason.as_str();
-                let text = format_args!("{} not cleared: {reason}", kind.name());
+                let (kind, reason) = (Plain(kind.name()), Plain(refusal.reason.as_str()));
+                let text = format_args!("{kind} not cleared: {reason}");
                 return around.outbox.say(Severity::Error, text);
             }
         }
@@ -99,7 +112,7 @@ impl MissionService {
 
     /// Partial lists are not understood.
     pub fn partial(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        if around.own.is_meant(payload.byte(4), payload.byte(5)) {
+        if payload.is_for(around.own, 4) {
             around.ack(from, payload.byte(6), MissionResult::Unsupported);
         }
     }
@@ -127,57 +140,28 @@ fn commit_empty(kind: PlanKind, plans: &mut dyn PlanStore) -> Result<(), PlanRef
     outcome
 }
 
-/// `MISSION_ACK`.
-pub(crate) fn ack_message(to: Address, kind: u8, result: MissionResult) -> Message {
-    Message::of(&MISSION_ACK_DATA {
-        target_system: to.system,
-        target_component: to.component,
-        mavtype: result.wire(),
-        ..MISSION_ACK_DATA::DEFAULT
-    })
-    .with_byte(3, kind)
+/// `MISSION_ACK`; `plan` names the plan that is in use then.
+pub(crate) fn ack_message(to: Address, kind: u8, result: MissionResult, plan: u32, m: &mut Message) {
+    m.start(MISSION_ACK_DATA::ID)
+        .target(to)
+        .byte(result.wire())
+        .byte(kind)
+        .long(plan);
 }
 
 /// `MISSION_COUNT`.
-pub(crate) fn count_message(to: Address, kind: PlanKind, count: u16, crc: u32) -> Message {
-    Message::of(&MISSION_COUNT_DATA {
-        count,
-        target_system: to.system,
-        target_component: to.component,
-        mission_type: kind.wire(),
-        opaque_id: crc,
-    })
+pub(crate) fn count_message(to: Address, kind: PlanKind, count: u16, crc: u32, m: &mut Message) {
+    m.start(MISSION_COUNT_DATA::ID)
+        .word(count)
+        .target(to)
+        .byte(kind.code())
+        .long(crc);
 }
 
 /// `MISSION_REQUEST_INT`.
-pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16) -> Message {
-    Message::of(&MISSION_REQUEST_INT_DATA {
-        seq: index,
-        target_system: to.system,
-        target_component: to.component,
-        mission_type: kind.wire(),
-    })
-}
-
-pub(crate) use item::item_message;
-
-/// Reads a message whose type of plan may be any number: the message, and the kind or its number.
-fn list_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_LIST_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(2);
-    let asked = payload.read_with(&[(2, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
-}
-
-/// The same for a request for an item, whose numbers are two bytes further on.
-fn item_request(payload: Payload<'_>) -> Option<(MISSION_REQUEST_INT_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(4);
-    let asked = payload.read_with(&[(4, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
-}
-
-/// The same for a count.
-fn count_request(payload: Payload<'_>) -> Option<(MISSION_COUNT_DATA, Result<PlanKind, u8>)> {
-    let code = payload.byte(4);
-    let asked = payload.read_with(&[(4, 0)])?;
-    Some((asked, PlanKind::from_code(code).ok_or(code)))
+pub(crate) fn request_message(to: Address, kind: PlanKind, index: u16, m: &mut Message) {
+    m.start(MISSION_REQUEST_INT_DATA::ID)
+        .word(index)
+        .target(to)
+        .byte(kind.code());
 }

@@ -23,7 +23,11 @@ impl PlanKind {
 
     /// Its number.
     pub const fn code(self) -> u8 {
-        self.wire() as u8
+        match self {
+            Self::Mission => MavMissionType::MAV_MISSION_TYPE_MISSION as u8,
+            Self::Fence => MavMissionType::MAV_MISSION_TYPE_FENCE as u8,
+            Self::Rally => MavMissionType::MAV_MISSION_TYPE_RALLY as u8,
+        }
     }
 
     /// The kind with that number.
@@ -44,14 +48,6 @@ impl PlanKind {
             Self::Rally => "rally points",
         }
     }
-
-    pub(crate) const fn wire(self) -> MavMissionType {
-        match self {
-            Self::Mission => MavMissionType::MAV_MISSION_TYPE_MISSION,
-            Self::Fence => MavMissionType::MAV_MISSION_TYPE_FENCE,
-            Self::Rally => MavMissionType::MAV_MISSION_TYPE_RALLY,
-        }
-    }
 }
 
 macro_rules! results {
@@ -63,8 +59,8 @@ macro_rules! results {
         }
 
         impl MissionResult {
-            pub(crate) const fn wire(self) -> MavMissionResult {
-                match self { $(Self::$name => MavMissionResult::$wire,)* }
+            pub(crate) const fn wire(self) -> u8 {
+                match self { $(Self::$name => MavMissionResult::$wire as u8,)* }
             }
         }
     };
@@ -105,16 +101,13 @@ results! {
     Cancelled: MAV_MISSION_OPERATION_CANCELLED;
 }
 
-/// The longest reason.
-const REASON: usize = 100;
-
 /// Why a plan, or an item of it, is not taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanRefusal {
     /// For the client.
     pub result: MissionResult,
     /// For a human: the item and what is wrong with it.
-    pub reason: Line<REASON>,
+    pub reason: Line,
 }
 
 impl PlanRefusal {

@@ -5,12 +5,15 @@ use core::fmt;
 use windhover_autopilot::mission::{MAX_ITEMS, Reason, Refusal};
 
 use super::{MissionResult, PlanRefusal};
-use crate::text::Decimal;
+use crate::text::{Decimal, Plain, Whole};
 
 impl PlanRefusal {
     /// Refuses an item, counted from 0, for the reason that the autopilot gives.
     pub fn of_item(index: u16, refusal: &Refusal) -> Self {
-        Self::new(result(refusal), format_args!("item {index}: {}", Words(refusal)))
+        Self::new(
+            result(refusal),
+            format_args!("item {}: {}", Whole(index.into()), Words(refusal)),
+        )
     }
 }
 
@@ -38,23 +41,31 @@ struct Words<'a>(&'a Refusal);
 
 impl fmt::Display for Words<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let field = self.0.field;
+        let field = Plain(self.0.field);
+        let whole = |number: u16| Whole(number.into());
         match self.0.reason {
-            Reason::Command(command) => write!(f, "{field}: {command} is not flown by this vehicle"),
-            Reason::Frame(frame) => write!(f, "{field}: {frame} is not understood; use 0, 3, 5 or 6"),
+            Reason::Command(command) => {
+                write!(f, "{field}: {} is not flown by this vehicle", whole(command))
+            }
+            Reason::Frame(frame) => {
+                let frame = whole(frame.into());
+                write!(f, "{field}: {frame} is not understood; use 0, 3, 5 or 6")
+            }
             Reason::NotANumber => write!(f, "{field}: not a number"),
             Reason::Range { value, min, max } => {
                 let [value, min, max] = [value, min, max].map(Decimal);
                 write!(f, "{field}: {value} is outside {min} to {max}")
             }
             Reason::Distance { value, max } => {
-                let [value, max] = [value, max].map(|metres| metres as u32);
+                let [value, max] = [value, max].map(|metres| Whole(metres as u32));
                 write!(f, "{field}: {value} m from home, the limit is {max} m")
             }
             Reason::NoWaypoint => write!(f, "{field}: nothing to fly to; add a waypoint"),
             Reason::Missing => write!(f, "{field}: the item is missing"),
-            Reason::TooMany(count) => write!(f, "{field}: {count} items, there is room for {MAX_ITEMS}"),
-            Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
+            Reason::TooMany(count) => {
+                let [count, most] = [count, MAX_ITEMS].map(|number| Whole(number as u32));
+                write!(f, "{field}: {count} items, there is room for {most}")
+            }
             Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
             Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
         }

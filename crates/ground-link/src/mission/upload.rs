@@ -8,17 +8,18 @@
 use windhover_autopilot::MissionCommit;
 
 use super::item::{self, Received};
-use super::{MissionResult, MissionService, PlanKind, PlanRefusal, Surroundings, count_request};
+use super::{MissionResult, MissionService, PlanKind, PlanRefusal, Surroundings};
 use crate::checksum::plan_crc;
 use crate::frame::Address;
 use crate::outbox::Reply;
+use crate::text::Whole;
 use crate::wire::Payload;
 
 /// An item that has not come after this time is asked for again, µs.
 const RETRY: u64 = 200_000;
 
 /// Without an item for so long the upload is given up, µs.
-const GIVE_UP: u64 = 10_000_000;
+const GIVE_UP: u64 = 5_000_000;
 
 /// For so long after a transfer something of it may still come, µs.
 const LEFT_OVER: u64 = 1_000_000;
@@ -57,17 +58,10 @@ pub(super) struct Finished {
 impl MissionService {
     /// `MISSION_COUNT`: a client wants to upload.
     pub fn count(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let Some((asked, kind)) = count_request(payload) else {
+        let Some(kind) = around.kind(payload, 2, from) else {
             return;
         };
-        if !around.own.is_meant(asked.target_system, asked.target_component) {
-            return;
-        }
-        let kind = match kind {
-            Ok(kind) => kind,
-            Err(code) => return around.ack(from, code, MissionResult::Unsupported),
-        };
-        let count = asked.count;
+        let count = payload.word(0);
         if self.upload.is_some_and(|upload| upload.from != from) {
             return around.ack(from, kind.code(), MissionResult::Denied);
         }
@@ -88,6 +82,7 @@ impl MissionService {
     ) -> Result<(), PlanRefusal> {
         let (now, capacity) = (around.now, around.plans.capacity(kind));
         if count > capacity {
+            let [count, capacity] = [count, capacity].map(|number| Whole(number.into()));
             let reason = format_args!("{count} items, there is room for {capacity}");
             return Err(PlanRefusal::new(MissionResult::NoSpace, reason));
         }
@@ -102,7 +97,11 @@ impl MissionService {
             crc: 0,
             asked: now,
             progressed: now,
-            tolerant_until: if tolerant { now + LEFT_OVER } else { 0 },
+            tolerant_until: if tolerant {
+                now.saturating_add(LEFT_OVER)
+            } else {
+                0
+            },
         };
         if count == 0 {
             self.finish(upload, around);
@@ -117,25 +116,20 @@ impl MissionService {
         Ok(())
     }
 
-    /// `MISSION_ITEM_INT`.
-    pub fn take(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        if let Some(received) = item::read(payload) {
-            self.received(&received, from, around);
-        }
-    }
-
-    /// `MISSION_ITEM`.
-    pub fn take_float(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        if let Some(received) = item::read_float(payload) {
-            self.received(&received, from, around);
+    /// `MISSION_ITEM_INT` or, with floats, `MISSION_ITEM`.
+    pub fn take(
+        &mut self,
+        payload: Payload<'_>,
+        is_float: bool,
+        from: Address,
+        around: &mut Surroundings<'_>,
+    ) {
+        if payload.is_for(around.own, item::TARGET) {
+            self.received(&item::read(payload, is_float), from, around);
         }
     }
 
     fn received(&mut self, received: &Received, from: Address, around: &mut Surroundings<'_>) {
-        let target = received.target;
-        if !around.own.is_meant(target.system, target.component) {
-            return;
-        }
         let Some(upload) = self.upload.filter(|upload| upload.from == from) else {
             return self.without_upload(received, from, around);
         };
@@ -163,7 +157,7 @@ impl MissionService {
         let Some(last) = self.finished.as_mut().filter(|last| last.from == from) else {
             return around.ack(from, kind.code(), MissionResult::Error);
         };
-        let is_last = last.kind == kind && received.index + 1 == last.count;
+        let is_last = last.kind == kind && last.count.checked_sub(1) == Some(received.index);
         if is_last && around.now.saturating_sub(last.told) >= REPEATED {
             last.told = around.now;
             around.ack(from, kind.code(), MissionResult::Accepted);
@@ -243,8 +237,8 @@ impl MissionService {
 
     /// `MISSION_ACK` from the client: anything but "accepted" ends its upload.
     pub fn acknowledged(&mut self, payload: Payload<'_>, from: Address, around: &mut Surroundings<'_>) {
-        let [system, component, result, kind] = [0, 1, 2, 3].map(|at| payload.byte(at));
-        if result == MissionResult::Accepted.wire() as u8 || !around.own.is_meant(system, component) {
+        let (result, kind) = (payload.byte(2), payload.byte(3));
+        if result == MissionResult::Accepted.wire() || !payload.is_for(around.own, 0) {
             return;
         }
         let its_own = |upload: &Upload| upload.from == from && upload.kind.code() == kind;

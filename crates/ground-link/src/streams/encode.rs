@@ -1,4 +1,4 @@
-//! Telemetry as messages.
+//! Telemetry as messages: each function writes the fields of one, in the order of the wire.
 
 mod flight;
 mod place;
@@ -25,31 +25,32 @@ pub(crate) struct Source<'a> {
 impl Source<'_> {
     /// ms since start, which start anew after 49 days.
     fn boot_ms(&self) -> u32 {
-        (self.now / 1000) as u32
+        crate::scale::divided(self.now, 1000) as u32
     }
 }
 
-/// A message of telemetry by its number; `None` when there is no such one, or when nothing is
+/// A message of telemetry by its number; `false` when there is no such one, or when nothing is
 /// known that it could say.
-pub(crate) fn message(number: u16, source: &Source<'_>) -> Option<Message> {
+pub(crate) fn message(number: u16, source: &Source<'_>, m: &mut Message) -> bool {
+    m.start(u32::from(number));
     match number {
-        0 => Some(flight::heartbeat(source)),
-        1 => Some(power::sys_status(source)),
-        2 => Some(flight::system_time(source)),
-        24 => Some(place::gps_raw_int(source)),
-        30 => flight::attitude(source),
-        31 => flight::attitude_quaternion(source),
-        32 => place::local_position(source),
-        33 => place::global_position(source),
-        36 => Some(flight::servo_output(source)),
-        42 => Some(flight::mission_current(source)),
-        74 => Some(flight::vfr_hud(source)),
-        147 => Some(power::battery_status(source)),
-        242 => place::home_position(source),
-        245 => Some(flight::extended_sys_state(source)),
-        _ => None,
+        0 => flight::heartbeat(source, m),
+        1 => power::sys_status(source, m),
+        2 => flight::system_time(source, m),
+        24 => place::gps_raw_int(source, m),
+        30 => return flight::attitude(source, m).is_some(),
+        31 => return flight::attitude_quaternion(source, m).is_some(),
+        32 => return place::local_position(source, m).is_some(),
+        33 => return place::global_position(source, m).is_some(),
+        36 => flight::servo_output(source, m),
+        42 => flight::mission_current(source, m),
+        74 => flight::vfr_hud(source, m),
+        147 => power::battery_status(source, m),
+        242 => return place::home_position(source, m).is_some(),
+        245 => flight::extended_sys_state(source, m),
+        _ => return false,
     }
+    true
 }
 
-pub(crate) use flight::reached;
 pub(crate) use place::image_captured;

@@ -8,8 +8,6 @@ pub mod budget;
 pub(crate) mod encode;
 pub(crate) mod version;
 
-use mavlink::dialects::common::REQUEST_DATA_STREAM_DATA;
-
 use crate::frame::Address;
 use crate::wire::Payload;
 
@@ -49,7 +47,7 @@ pub(crate) const MISSION_CURRENT: u16 = 42;
 pub(crate) const STREAMS: usize = 14;
 
 /// All of them, the most important first.
-const TABLE: [Stream; STREAMS] = [
+static TABLE: [Stream; STREAMS] = [
     stream(HEARTBEAT, 1_000_000, 0),
     stream(EXTENDED_SYS_STATE, 500_000, 2),
     stream(1, 500_000, 2),   // SYS_STATUS
@@ -78,18 +76,19 @@ impl Rate {
     /// If it is due, moves on to the next time: how many were missed. The rhythm is kept unless it
     /// was lost.
     fn serve(&mut self, now: u64) -> Option<u32> {
-        let interval = u64::from(self.interval);
-        if interval == 0 || now < self.due {
+        if self.interval == 0 || now < self.due {
             return None;
         }
         let (first, late) = (self.due == 0, now - self.due);
-        self.due = if late < interval {
-            self.due + interval
+        let from = if late < u64::from(self.interval) {
+            self.due
         } else {
-            now + interval
+            now
         };
-        let missed = if first { 0 } else { late / interval };
-        Some(u32::try_from(missed).unwrap_or(u32::MAX))
+        self.due = from.saturating_add(u64::from(self.interval));
+        // More than an hour late is as bad as an hour: 32 bits are divided in hardware.
+        let late = u32::try_from(late).unwrap_or(u32::MAX);
+        Some(if first { 0 } else { late / self.interval })
     }
 }
 
@@ -103,8 +102,8 @@ pub(crate) struct Streams {
 impl Default for Streams {
     fn default() -> Self {
         Self {
-            rates: TABLE.map(|line| Rate {
-                interval: line.interval,
+            rates: core::array::from_fn(|number| Rate {
+                interval: TABLE.get(number).map_or(0, |line| line.interval),
                 due: 0,
             }),
             left_out: 0,
@@ -142,13 +141,10 @@ impl Streams {
     /// `REQUEST_DATA_STREAM`: the rate of a group; group 0 is all.
     pub fn legacy(&mut self, payload: Payload<'_>, own: Address, now: u64) {
         let (group, start) = (payload.byte(4), payload.byte(5));
-        let Some(asked) = payload.read_with::<REQUEST_DATA_STREAM_DATA>(&[(4, 0)]) else {
-            return;
-        };
-        if !own.is_meant(asked.target_system, asked.target_component) {
+        if !payload.is_for(own, 2) {
             return;
         }
-        let interval = match (start, asked.req_message_rate) {
+        let interval = match (start, payload.word(0)) {
             (0, _) => None,
             (_, 0) => Some(0),
             (_, rate) => Some(1_000_000 / u32::from(rate)),
@@ -162,6 +158,7 @@ impl Streams {
     }
 
     /// Sends a message at the next occasion, whatever its rate.
+    #[inline(never)]
     pub fn hasten(&mut self, message: u16, now: u64) {
         for (rate, line) in self.rates.iter_mut().zip(&TABLE) {
             if line.message == message && rate.interval > 0 {

@@ -1,6 +1,9 @@
 //! What the vehicle says about itself when it is asked who it is.
 
-use mavlink::dialects::common::{AUTOPILOT_VERSION_DATA, MavProtocolCapability, PROTOCOL_VERSION_DATA};
+use mavlink::MessageData;
+use mavlink::dialects::common::{
+    AUTOPILOT_VERSION_DATA, MavProtocolCapability as Capability, PROTOCOL_VERSION_DATA,
+};
 
 use crate::wire::Message;
 
@@ -11,32 +14,29 @@ const VERSION: u32 = 0x0104_0100;
 /// MAVLink 2.0, times a hundred.
 const PROTOCOL: u16 = 200;
 
+/// What clients may rely on. Without `MISSION_INT` MAVSDK refuses missions; of the encodings of
+/// parameters there must be exactly one, though every parameter is a float.
+const CAPABILITIES: Capability = Capability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+    .union(Capability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT)
+    .union(Capability::MAV_PROTOCOL_CAPABILITY_MAVLINK2)
+    .union(Capability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE)
+    .union(Capability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY)
+    .union(Capability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE);
+
 /// `AUTOPILOT_VERSION`.
-pub(crate) fn autopilot(uid: u64, own_version: [u8; 8]) -> Message {
-    let capabilities = MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
-        | MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE;
-    Message::of(&AUTOPILOT_VERSION_DATA {
-        capabilities,
-        uid,
-        flight_sw_version: VERSION,
-        flight_custom_version: own_version,
-        ..AUTOPILOT_VERSION_DATA::DEFAULT
-    })
+pub(crate) fn autopilot(uid: u64, own_version: [u8; 8], m: &mut Message) {
+    m.start(AUTOPILOT_VERSION_DATA::ID)
+        .huge(CAPABILITIES.bits())
+        .huge(uid)
+        .long(VERSION)
+        .zeros(16) // versions of middleware, operating system and board; vendor, product
+        .bytes(&own_version);
 }
 
 /// `PROTOCOL_VERSION`.
-pub(crate) fn protocol() -> Message {
-    Message::of(&PROTOCOL_VERSION_DATA {
-        version: PROTOCOL,
-        min_version: 100,
-        max_version: PROTOCOL,
-        ..PROTOCOL_VERSION_DATA::DEFAULT
-    })
+pub(crate) fn protocol(m: &mut Message) {
+    m.start(PROTOCOL_VERSION_DATA::ID)
+        .word(PROTOCOL)
+        .word(100)
+        .word(PROTOCOL);
 }

@@ -1,7 +1,7 @@
 //! A vehicle around a link: it takes requests and answers them.
 
 use windhover_autopilot::Parameters;
-use windhover_ground_link::{CommandResult, Config, Context, Link, Order, Request, Telemetry};
+use windhover_ground_link::{CommandResult, Config, Context, Link, Order, Request, Signing, Telemetry};
 
 use super::Store;
 
@@ -12,6 +12,7 @@ pub type Answer = fn(&Request) -> Option<CommandResult>;
 pub struct Vehicle {
     pub link: Link,
     pub store: Store,
+    pub signing: Signing,
     pub parameters: Parameters,
     pub telemetry: Telemetry,
     pub orders: Vec<Order>,
@@ -34,6 +35,7 @@ impl Vehicle {
         Self {
             link: Link::new(config),
             store: Store::default(),
+            signing: Signing::default(),
             parameters: Parameters::default(),
             telemetry: Telemetry::default(),
             orders: Vec::new(),
@@ -43,12 +45,21 @@ impl Vehicle {
     }
 
     pub fn receive(&mut self, bytes: &[u8], now: u64) {
+        self.take(bytes, now, Link::receive);
+    }
+
+    pub fn receive_packet(&mut self, packet: &[u8], now: u64) {
+        self.take(packet, now, Link::receive_packet);
+    }
+
+    fn take(&mut self, bytes: &[u8], now: u64, receive: fn(&mut Link, &[u8], u64, &mut Context<'_>)) {
         let mut context = Context {
             telemetry: &self.telemetry,
             parameters: &self.parameters,
             plans: &mut self.store,
+            signing: &mut self.signing,
         };
-        self.link.receive(bytes, now, &mut context);
+        receive(&mut self.link, bytes, now, &mut context);
         while self.takes
             && let Some(order) = self.link.next_request()
         {
@@ -74,6 +85,7 @@ impl Vehicle {
             telemetry: &self.telemetry,
             parameters: &self.parameters,
             plans: &mut self.store,
+            signing: &mut self.signing,
         };
         let mut frames = Vec::new();
         self.link

@@ -39,6 +39,21 @@ pub enum Place {
         /// Number of the part in the pattern's list of items.
         part: usize,
     },
+    /// The n-th polygon of the geofence, counted from 1.
+    Polygon(usize),
+    /// A corner of it, both counted from 1.
+    Vertex {
+        /// Number of the polygon.
+        polygon: usize,
+        /// Number of the corner.
+        vertex: usize,
+    },
+    /// The n-th circle of the geofence, counted from 1.
+    Circle(usize),
+    /// Where the geofence would have a vehicle return that has left it.
+    BreachReturn,
+    /// The n-th rally point, counted from 1.
+    Rally(usize),
     /// An item of a waypoint file.
     Line {
         /// Line of the file, counted from 1.
@@ -56,6 +71,11 @@ impl fmt::Display for Place {
             Self::Part { item, pattern, part } => {
                 write!(f, "item {item} ({}), part {part}", one_line(pattern))
             }
+            Self::Polygon(number) => write!(f, "geofence polygon {number}"),
+            Self::Vertex { polygon, vertex } => write!(f, "geofence polygon {polygon}, vertex {vertex}"),
+            Self::Circle(number) => write!(f, "geofence circle {number}"),
+            Self::BreachReturn => write!(f, "geofence return point"),
+            Self::Rally(number) => write!(f, "rally point {number}"),
             Self::Line { line, seq } => write!(f, "item {seq} (line {line})"),
         }
     }
@@ -179,6 +199,24 @@ pub enum Problem {
         count: usize,
         /// Whether `count` is exact, or the least.
         exact: bool,
+    },
+    /// More of something than the vehicle stores.
+    #[error("has {count} {what}, the vehicle stores at most {most}")]
+    TooMany {
+        /// How many it has.
+        count: usize,
+        /// How many it may have.
+        most: usize,
+        /// Of what.
+        what: &'static str,
+    },
+    /// A polygon without an area.
+    #[error("{place}: {count} vertices, a polygon has 3 or more")]
+    TooFewVertices {
+        /// Which polygon.
+        place: Box<Place>,
+        /// How many it has.
+        count: usize,
     },
     /// Items of a waypoint file that are lost, doubled or out of order.
     #[error("line {line}: item {found} stands where item {expected} is due")]

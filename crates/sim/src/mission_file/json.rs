@@ -5,10 +5,11 @@ use std::cell::Cell;
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use windhover_autopilot::fence::{MAX_RALLY, MAX_SHAPES, MAX_VERTICES};
 use windhover_autopilot::mission::item::MAX_ITEMS;
 
 /// The keys that are read; everything under another key is skipped unseen.
-const KEYS: [&str; 21] = [
+const KEYS: [&str; 27] = [
     "fileType",
     "version",
     "mission",
@@ -17,6 +18,12 @@ const KEYS: [&str; 21] = [
     "circles",
     "polygons",
     "points",
+    "polygon",
+    "circle",
+    "center",
+    "radius",
+    "inclusion",
+    "breachReturn",
     "items",
     "plannedHomePosition",
     "cruiseSpeed",
@@ -200,6 +207,9 @@ impl<'de> Visitor<'de> for Pruned<'_> {
             }
             let most = match key {
                 "items" | "Items" => MAX_ITEMS,
+                "polygon" => MAX_VERTICES,
+                "polygons" | "circles" => MAX_SHAPES,
+                "points" => MAX_RALLY,
                 _ => MOST_NUMBERS,
             };
             entries.push((key, map.next_value_seed(Pruned { most, ..self })?));

@@ -1,11 +1,12 @@
-//! Mission files that ground stations save: QGroundControl's `.plan` and the waypoint file
-//! `QGC WPL 110`, told apart by their first bytes, whatever their names.
+//! Mission files that ground stations save: QGroundControl's `.plan` with its geofence and rally
+//! points, and the waypoint file `QGC WPL 110`, told apart by their first bytes, whatever their names.
 //!
 //! Reading checks that a file says what an item is; whether the vehicle flies it is for the
 //! core to say (`windhover_autopilot::mission`). Memory is bounded whatever is in the file.
 
 mod convert;
 mod error;
+mod fence;
 mod json;
 mod plan;
 mod waypoints;
@@ -17,6 +18,7 @@ use std::path::Path;
 use windhover_autopilot::mission::item::MissionItem;
 
 use crate::closed_loop::Stored;
+use convert::RawItem;
 
 pub use error::{Field, MissionFileError, Place, Problem};
 
@@ -41,14 +43,12 @@ pub struct MissionFile {
     pub fence: Vec<MissionItem>,
     /// Rally points, as the items that a ground station uploads.
     pub rally: Vec<MissionItem>,
-    /// Whether the file has a geofence, which is not read.
-    pub has_geofence: bool,
-    /// Whether the file has rally points, which are not read.
-    pub has_rally_points: bool,
     /// What the user should know before the flight, a line each.
     pub notes: Vec<String>,
     /// Where each of `items` stands in the file.
     places: Vec<Place>,
+    /// Where each of `fence` does.
+    fence_places: Vec<Place>,
 }
 
 impl MissionFile {
@@ -73,6 +73,21 @@ impl MissionFile {
     /// Where item `index` of `items` stands in the file.
     pub fn place(&self, index: usize) -> Option<&Place> {
         self.places.get(index)
+    }
+
+    /// How a person finds the shape of item `index` of `fence` in the file: "geofence polygon 2".
+    pub fn describe_fence(&self, index: usize) -> String {
+        match self.fence_places.get(index) {
+            Some(Place::Vertex { polygon, .. }) => Place::Polygon(*polygon).to_string(),
+            Some(place) => place.to_string(),
+            None => format!("geofence item {}", index + 1),
+        }
+    }
+
+    fn push_fence(&mut self, raw: RawItem, place: Place) -> Result<(), Problem> {
+        self.fence.push(convert::item(&raw, &place)?);
+        self.fence_places.push(place);
+        Ok(())
     }
 
     fn push(&mut self, item: MissionItem, place: Place) {

@@ -7,7 +7,7 @@ use windhover_autopilot::mission::item::{MAX_ITEMS, MissionItem};
 use super::convert::{self, RawItem};
 use super::error::{Field, Place, Problem, one_line};
 use super::json::{self, Json};
-use super::{MissionFile, Position};
+use super::{MissionFile, Position, fence};
 
 /// The pattern versions whose stored items are understood: kind, versions, and how to say them.
 const PATTERNS: [(&str, &[f64], &str); 2] = [
@@ -36,7 +36,9 @@ pub(super) fn read(reader: impl Read) -> Result<MissionFile, Problem> {
         ..MissionFile::default()
     };
     items(mission.need("items")?, complete, &mut file)?;
-    notes(&top, &mission, &mut file);
+    fence::fence(&top, &mut file)?;
+    fence::rally(&top, &mut file)?;
+    notes(&mission, &mut file);
     Ok(file)
 }
 
@@ -174,22 +176,8 @@ fn speed(mission: &Node, field: &str) -> Result<Option<f32>, Problem> {
     Ok(Some(value as f32))
 }
 
-/// What the plan has beyond its mission.
-fn notes(top: &Node, mission: &Node, file: &mut MissionFile) {
-    let len = |section: &str, list: &str| {
-        let json = top.json.get(section).and_then(|s| s.get(list));
-        json.map_or(0, Json::list_len)
-    };
-    file.has_geofence = len("geoFence", "polygons") + len("geoFence", "circles") > 0;
-    file.has_rally_points = len("rallyPoints", "points") > 0;
-    if file.has_geofence {
-        let note = "the plan's geofence is not watched";
-        file.notes.push(note.into());
-    }
-    if file.has_rally_points {
-        let note = "the plan's rally points are not used";
-        file.notes.push(note.into());
-    }
+/// What the user should know of the plan.
+fn notes(mission: &Node, file: &mut MissionFile) {
     if let Some(Json::Number(kind)) = mission.json.get("vehicleType")
         && *kind != 2.0
     {
@@ -199,13 +187,13 @@ fn notes(top: &Node, mission: &Node, file: &mut MissionFile) {
 }
 
 /// A JSON value and where it stands, with the questions that a plan is asked.
-struct Node<'a> {
-    json: &'a Json,
-    place: Place,
+pub(super) struct Node<'a> {
+    pub(super) json: &'a Json,
+    pub(super) place: Place,
 }
 
 impl<'a> Node<'a> {
-    fn new(json: &'a Json, place: Place) -> Self {
+    pub(super) fn new(json: &'a Json, place: Place) -> Self {
         Self { json, place }
     }
 
@@ -213,7 +201,7 @@ impl<'a> Node<'a> {
         Box::new(Field::new(&self.place, name))
     }
 
-    fn wrong(&self, name: &str, found: &Json, wanted: &'static str) -> Problem {
+    pub(super) fn wrong(&self, name: &str, found: &Json, wanted: &'static str) -> Problem {
         Problem::WrongType {
             field: self.field(name),
             found: found.name(),
@@ -229,9 +217,18 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn need(&self, name: &str) -> Result<&'a Json, Problem> {
+    pub(super) fn need(&self, name: &str) -> Result<&'a Json, Problem> {
         let value = self.json.get(name);
         value.ok_or_else(|| Problem::Missing(self.field(name)))
+    }
+
+    /// What a list keeps, and how many values it has; absent and null are an empty one.
+    pub(super) fn list(&self, name: &str) -> Result<(&'a [Json], usize), Problem> {
+        match self.json.get(name) {
+            None | Some(Json::Null) => Ok((&[], 0)),
+            Some(Json::List { kept, len }) => Ok((kept, *len)),
+            Some(other) => Err(self.wrong(name, other, "a list")),
+        }
     }
 
     fn text(&self, name: &str) -> Result<String, Problem> {
@@ -241,7 +238,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn boolean(&self, name: &str) -> Result<bool, Problem> {
+    pub(super) fn boolean(&self, name: &str) -> Result<bool, Problem> {
         match self.need(name)? {
             Json::Bool(value) => Ok(*value),
             other => Err(self.wrong(name, other, "true or false")),
@@ -285,7 +282,13 @@ impl<'a> Node<'a> {
     }
 
     /// Refuses every version but those in `versions`.
-    fn version(&self, key: &str, name: &str, versions: &[f64], known: &'static str) -> Result<(), Problem> {
+    pub(super) fn version(
+        &self,
+        key: &str,
+        name: &str,
+        versions: &[f64],
+        known: &'static str,
+    ) -> Result<(), Problem> {
         match self.json.get(key) {
             None => Err(Problem::Missing(self.field(name))),
             Some(Json::Number(found)) if versions.contains(found) => Ok(()),
@@ -299,7 +302,7 @@ impl<'a> Node<'a> {
 }
 
 /// A number, or NaN for null.
-fn number(json: &Json) -> Option<f64> {
+pub(super) fn number(json: &Json) -> Option<f64> {
     match json {
         Json::Number(value) => Some(*value),
         Json::Null => Some(f64::NAN),

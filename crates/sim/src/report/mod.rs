@@ -81,10 +81,64 @@ pub struct PhotoMark {
 }
 
 /// Something that happened at a time.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Event {
     /// When, in s since the start.
     pub time: f32,
     /// What.
     pub text: String,
+}
+
+/// Events closer together than this are told as one, s: what a failsafe does comes with it.
+const TOGETHER: f32 = 0.05;
+
+/// Puts events in their order, and makes one of those that happened together. Of several modes at
+/// once only the last one counts.
+pub fn ordered(mut events: Vec<Event>) -> Vec<Event> {
+    events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let mut told: Vec<(f32, Vec<String>)> = Vec::new();
+    for Event { time, text } in events {
+        match told.last_mut() {
+            Some((first, texts)) if time - *first < TOGETHER => {
+                let is_mode = |text: &String| text.starts_with("mode ");
+                texts.retain(|before| !(is_mode(before) && is_mode(&text)));
+                texts.push(text);
+            }
+            _ => told.push((time, vec![text])),
+        }
+    }
+    let joined = told.into_iter().map(|(time, texts)| Event {
+        time,
+        text: texts.join("; "),
+    });
+    joined.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_happens_together_is_one_event_in_its_order() {
+        let event = |time: f32, text: &str| Event {
+            time,
+            text: text.into(),
+        };
+        let told = ordered(vec![
+            event(60.0, "failsafe"),
+            event(3.0, "armed"),
+            event(8.0, "mode hold"),
+            event(8.01, "mode mission"),
+            event(60.0, "mode return"),
+            event(60.1, "landed"),
+        ]);
+        let expected = [
+            event(3.0, "armed"),
+            event(8.0, "mode mission"),
+            event(60.0, "failsafe; mode return"),
+            event(60.1, "landed"),
+        ];
+        assert_eq!(told, expected);
+        assert_eq!(ordered(vec![event(f32::NAN, "a"), event(f32::NAN, "b")]).len(), 2);
+    }
 }

@@ -12,6 +12,9 @@ use super::{PhotoMark, Report};
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; \
                       style-src 'unsafe-inline'; img-src data: blob:";
 
+/// The most events that are listed.
+const MOST_EVENTS: usize = 100;
+
 /// The report as one HTML file.
 pub fn html(report: &Report) -> String {
     let drawings = Drawings::new(report);
@@ -232,11 +235,18 @@ fn events(page: &mut String, report: &Report) {
         "<section>\n<h2>Events</h2>\n<p class=\"note\">Their numbers stand above the dotted lines in the plots \
          over time.</p>\n<ol class=\"events\">\n",
     );
-    for event in &report.events {
+    for event in report.events.iter().take(MOST_EVENTS) {
         let (time, text) = (number(event.time, 1), escape(&event.text));
         add(page, format_args!("<li><time>{time} s</time> {text}</li>\n"));
     }
-    page.push_str("</ol>\n</section>\n");
+    page.push_str("</ol>\n");
+    if let Some(more @ 1..) = report.events.len().checked_sub(MOST_EVENTS) {
+        add(
+            page,
+            format_args!("<p class=\"note\">And {more} more, which are in the log.</p>\n"),
+        );
+    }
+    page.push_str("</section>\n");
 }
 
 /// A number with a true minus and never a negative zero; a dash for none.

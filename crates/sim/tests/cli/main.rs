@@ -1,6 +1,7 @@
 //! The program as its users call it: what it prints, where, what it leaves behind, and its exit
 //! code.
 
+mod failsafes;
 mod refused;
 
 use std::path::{Path, PathBuf};
@@ -75,12 +76,28 @@ fn without_arguments_it_flies_the_default_mission() {
     for line in ["completed", "waypoints reached", "RMSE", "motor hash", "report: "] {
         assert!(text.contains(line), "no {line:?} in {text}");
     }
+    // What happened stands before the figures, a line each.
+    let events: Vec<&str> = text.lines().take_while(|line| !line.is_empty()).collect();
+    let told = |what: &str| events.iter().position(|line| line.ends_with(what));
+    let order = [
+        "armed; mode takeoff",
+        "mode mission",
+        "mode return",
+        "mode land",
+        "disarmed",
+    ];
+    let places = order.map(|what| told(what).unwrap_or_else(|| panic!("no {what:?} in {text}")));
+    assert!(places.is_sorted(), "{text}");
+    assert_eq!(events.len(), order.len() + 2, "these and two pushes: {text}");
     let written = folder.0.join("flights").join("monitoring");
     let page = std::fs::read_to_string(written.join("report.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
     let figures = std::fs::read_to_string(written.join("figures.json")).unwrap();
     let figures: serde_json::Value = serde_json::from_str(&figures).unwrap();
     assert_eq!(figures["completed"], true);
+    let ended = figures["ended"].as_str().unwrap();
+    assert!(ended.starts_with("mission completed, landed at "), "{ended}");
+    assert!(page.contains(ended) && page.contains("mode return") && page.contains("armed; mode takeoff"));
     assert_eq!(figures["waypoints_reached"], 10);
     assert_eq!(figures["photos"].as_array().unwrap().len(), 10);
     assert_eq!(figures["seed"], 1);
@@ -153,7 +170,13 @@ fn options_change_the_flight() {
         let mut all = vec!["fly", "--json"];
         all.extend_from_slice(arguments);
         let output = run_out(&folder, &all);
-        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        // Some of them bring it home early.
+        assert_ne!(
+            output.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
         let figures: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
         figures["motor_hash"].as_str().unwrap().to_string()
     };
@@ -190,6 +213,8 @@ fn options_change_the_flight() {
         &["--gnss", "rtk"],
         &["--fault", "baro-bias-step@50,5"],
         &["--fault", "baro-bias-step@50"],
+        &["--set", "MPC_XY_CRUISE=2.5"],
+        &["--set", "MPC_XY_CRUISE=2.5", "--set", "RTL_RETURN_ALT=40"],
     ];
     let mut seen = vec![default];
     for other in others {
@@ -241,7 +266,7 @@ fn a_flight_that_fails_says_what_and_when_and_leaves_its_report() {
     assert_fails(
         &folder,
         &["--wind", "90,0", "--gust", "0"],
-        &["no: diverged at ", "position"],
+        &["no: crash at ", "sideways"],
     );
 }
 
@@ -252,7 +277,7 @@ fn a_vehicle_that_is_too_heavy_is_given_up_at_once() {
     assert_fails(
         &folder,
         &["fly", "--payload", "5"],
-        &["too heavy", "given up at 34"],
+        &["too heavy", "given up at 14"],
     );
 }
 
@@ -282,6 +307,10 @@ fn help_names_every_option() {
             "--payload",
             "--model",
             "--truth",
+            "--fault",
+            "--rc",
+            "--battery",
+            "--set",
             "--seed",
             "--out",
             "--json",

@@ -36,6 +36,21 @@ fn bad_options_are_refused_in_one_line() {
         (&["--model", "cubic"], "--model"),
         (&["--preset", "mine"], "--preset"),
         (&["--altitude", "5"], "--altitude"),
+        (&["--battery", "101"], "101 % is outside 0 to 100"),
+        (&["--battery", "-1"], "-1 % is outside 0 to 100"),
+        (&["--battery", "full"], "'full' is not a number"),
+        (&["--battery", "50", "--truth"], "--truth"),
+        (&["--rc", "--truth"], "--truth"),
+        (&["--rc", "--model", "paper"], "--rc"),
+        (&["--battery", "50", "--model", "simple"], "--battery"),
+        (&["--set", "GF_ACTION"], "NAME=VALUE is wanted"),
+        (&["--set", "GF_ACTION=9"], "GF_ACTION: the range is 0 to 5"),
+        (&["--set", "GF_ACTION=one"], "'one' is not a number"),
+        (&["--set", "ALTITUDE=5"], "there is no parameter ALTITUDE"),
+        (
+            &["--set", "CA_ROTOR0_PX=-0.23"],
+            "--set CA_ROTOR0_PX=-0.23: [parameters]",
+        ),
     ];
     for (arguments, word) in cases {
         assert_refused(&folder, arguments, &[word]);
@@ -137,4 +152,85 @@ fn bad_vehicles_are_refused_in_one_line() {
         assert_refused(&folder, &["--vehicle", file.to_str().unwrap()], &all);
     }
     assert_refused(&folder, &["--vehicle", "absent.toml"], &["absent.toml"]);
+}
+
+/// The plan of [`plan`] with a fence and rally points.
+fn fenced(polygons: &str, circles: &str, rally: &str) -> String {
+    let parts = format!(
+        r#"{{"fileType":"Plan","geoFence":{{"version":2,"polygons":[{polygons}],"circles":[{circles}]}},
+        "rallyPoints":{{"version":2,"points":[{rally}]}},"#
+    );
+    plan("47.3980", "10", 16).replacen(r#"{"fileType":"Plan","#, &parts, 1)
+}
+
+fn circle(radius: f64, inclusion: bool) -> String {
+    format!(r#"{{"inclusion":{inclusion},"circle":{{"center":[47.3977,8.5456],"radius":{radius}}}}}"#)
+}
+
+/// A fence that cannot be kept, and a mission that leaves it, are refused before the flight.
+#[test]
+fn bad_fences_are_refused_in_one_line() {
+    let folder = Folder::new("bad-fences");
+    let bow_tie =
+        r#"{"inclusion":true,"polygon":[[47.3967,8.545],[47.3987,8.547],[47.3987,8.545],[47.3967,8.547]]}"#;
+    let far = r#"{"inclusion":false,"polygon":[[47.39785,8.545],[47.39785,8.547],[47.3979,8.547],[47.3979,8.545]]}"#;
+    let cases: &[(&str, String, &[&str])] = &[
+        // The waypoint is 33 m north of home.
+        (
+            "leaves.plan",
+            fenced("", &circle(20.0, true), ""),
+            &["item 2, waypoint: leg leaves the geofence; move it or the fence"],
+        ),
+        (
+            "across.plan",
+            fenced(far, "", ""),
+            &["item 2, waypoint: leg leaves the geofence"],
+        ),
+        (
+            "inside.plan",
+            fenced("", &circle(5.0, false), ""),
+            &["item 1, takeoff: leg leaves the geofence"],
+        ),
+        (
+            "bow-tie.plan",
+            fenced(bow_tie, "", ""),
+            &["geofence polygon 1: crosses or touches itself; move its vertices apart"],
+        ),
+        (
+            "huge.plan",
+            fenced("", &[circle(100.0, true), circle(20_000.0, true)].join(","), ""),
+            &["geofence circle 2: a radius of 20000 m is outside 1 to 10000"],
+        ),
+        (
+            "rally.plan",
+            fenced("", "", "[47.3977,8.5456,20],[47.3977,8.5456,1e9]"),
+            &["rally point 2: altitude"],
+        ),
+    ];
+    for (name, text, words) in cases {
+        let file = folder.file(name, text);
+        let mut all = vec![*name];
+        all.extend_from_slice(words);
+        assert_refused(&folder, &["fly", file.to_str().unwrap()], &all);
+    }
+    // The same with room is flown, and so is the mission that leaves it when the fence is off.
+    for (name, text, more) in [
+        (
+            "good.plan",
+            fenced("", &circle(60.0, true), "[47.3977,8.5456,20]"),
+            None,
+        ),
+        (
+            "off.plan",
+            fenced("", &circle(20.0, true), ""),
+            Some("GF_ACTION=0"),
+        ),
+    ] {
+        let file = folder.file(name, &text);
+        let mut arguments = vec!["fly", file.to_str().unwrap(), "--json"];
+        arguments.extend(more.iter().flat_map(|set| ["--set", set]));
+        let output = run_out(&folder, &arguments);
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+        let _ = std::fs::remove_dir_all(folder.out());
+    }
 }

@@ -1,5 +1,6 @@
 //! Mission files as ground stations save them, and everything that can be wrong with one.
 
+mod fences;
 mod hostile;
 mod refused;
 

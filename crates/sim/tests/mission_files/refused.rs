@@ -206,14 +206,7 @@ fn patterns_that_are_not_flown_say_what_to_do() {
 }
 
 #[test]
-fn fences_rally_points_and_other_vehicles_are_noted() {
-    let fence = edited(
-        "\"polygons\": [",
-        "\"polygons\": [ {\"polygon\": [], \"version\": 1}",
-    );
-    let file = parse(fence.replace("\"points\": [", "\"points\": [[1, 2, 3]")).unwrap();
-    assert!(file.has_geofence && file.has_rally_points);
-    assert_eq!(file.notes.len(), 2);
+fn other_vehicles_are_noted() {
     let plane = parse(edited("\"vehicleType\": 2", "\"vehicleType\": 1")).unwrap();
     assert!(plane.notes[0].contains("vehicle type 1"));
 }

@@ -1,11 +1,9 @@
 //! Messages about flight: mode, attitude, mission.
 
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, ATTITUDE_QUATERNION_DATA, EXTENDED_SYS_STATE_DATA, HEARTBEAT_DATA, MISSION_CURRENT_DATA,
-    MISSION_ITEM_REACHED_DATA, MavAutopilot, MavLandedState, MavModeFlag, MavState, MavType,
-    MissionState as Wire, SERVO_OUTPUT_RAW_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA,
+    MavAutopilot, MavLandedState, MavModeFlag as Flag, MavState, MavType, MissionState as Wire,
 };
-use windhover_math::{Vector3, sqrt};
+use windhover_math::{Quaternion, Vector3, sqrt};
 
 use super::Source;
 use crate::commands::Identity;
@@ -17,141 +15,119 @@ use crate::wire::Message;
 const SUSPENDED: u8 = 2;
 const IN_MISSION: u8 = 1;
 
-pub(super) fn heartbeat(source: &Source<'_>) -> Message {
+/// The version of the protocol that `HEARTBEAT` names.
+const PROTOCOL: u8 = 3;
+
+/// Motors have four of the eight channels of `SERVO_OUTPUT_RAW`.
+const OTHER_OUTPUTS: usize = 4 * 2;
+
+pub(super) fn heartbeat(source: &Source<'_>, m: &mut Message) {
     let t = source.telemetry;
-    let mut base =
-        MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
-    base.set(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, t.armed);
-    base.set(
-        MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
-        t.mode.is_manual(),
-    );
-    base.set(MavModeFlag::MAV_MODE_FLAG_AUTO_ENABLED, t.mode.is_auto());
-    base.set(MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED, !t.mode.is_manual());
-    let system_status = match (t.failsafe || t.battery.charge == Charge::Critical, t.armed) {
+    let mut base = Flag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | Flag::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    base.set(Flag::MAV_MODE_FLAG_SAFETY_ARMED, t.armed);
+    base.set(Flag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED, t.mode.is_manual());
+    base.set(Flag::MAV_MODE_FLAG_AUTO_ENABLED, t.mode.is_auto());
+    base.set(Flag::MAV_MODE_FLAG_GUIDED_ENABLED, !t.mode.is_manual());
+    let status = match (t.failsafe || t.battery.charge == Charge::Critical, t.armed) {
         (true, _) => MavState::MAV_STATE_CRITICAL,
         (false, true) => MavState::MAV_STATE_ACTIVE,
         (false, false) => MavState::MAV_STATE_STANDBY,
     };
-    Message::of(&HEARTBEAT_DATA {
-        custom_mode: t.mode.custom(),
-        mavtype: MavType::MAV_TYPE_QUADROTOR,
-        autopilot: match source.identity {
-            Identity::Px4 => MavAutopilot::MAV_AUTOPILOT_PX4,
-            Identity::Generic => MavAutopilot::MAV_AUTOPILOT_GENERIC,
-        },
-        base_mode: base,
-        system_status,
-        ..HEARTBEAT_DATA::DEFAULT
-    })
+    let autopilot = match source.identity {
+        Identity::Px4 => MavAutopilot::MAV_AUTOPILOT_PX4,
+        Identity::Generic => MavAutopilot::MAV_AUTOPILOT_GENERIC,
+    };
+    m.long(t.mode.custom())
+        .byte(MavType::MAV_TYPE_QUADROTOR as u8)
+        .byte(autopilot as u8)
+        .byte(base.bits())
+        .byte(status as u8)
+        .byte(PROTOCOL);
 }
 
-pub(super) fn system_time(source: &Source<'_>) -> Message {
-    Message::of(&SYSTEM_TIME_DATA {
-        time_unix_usec: source.telemetry.utc.unwrap_or_default(),
-        time_boot_ms: source.boot_ms(),
-    })
+pub(super) fn system_time(source: &Source<'_>, m: &mut Message) {
+    m.huge(source.telemetry.utc.unwrap_or_default())
+        .long(source.boot_ms());
 }
 
-pub(super) fn attitude(source: &Source<'_>) -> Option<Message> {
+pub(super) fn attitude(source: &Source<'_>, m: &mut Message) -> Option<()> {
     let angles = source.telemetry.attitude?.to_euler();
-    let rate = source.telemetry.rate;
-    Some(Message::of(&ATTITUDE_DATA {
-        time_boot_ms: source.boot_ms(),
-        roll: angles.roll,
-        pitch: angles.pitch,
-        yaw: angles.yaw,
-        rollspeed: rate.x,
-        pitchspeed: rate.y,
-        yawspeed: rate.z,
-    }))
+    m.long(source.boot_ms())
+        .floats(&[angles.roll, angles.pitch, angles.yaw])
+        .vector(source.telemetry.rate);
+    Some(())
 }
 
-pub(super) fn attitude_quaternion(source: &Source<'_>) -> Option<Message> {
+pub(super) fn attitude_quaternion(source: &Source<'_>, m: &mut Message) -> Option<()> {
     let attitude = source.telemetry.attitude?;
-    let rate = source.telemetry.rate;
-    Some(Message::of(&ATTITUDE_QUATERNION_DATA {
-        time_boot_ms: source.boot_ms(),
-        q1: attitude.w,
-        q2: attitude.x,
-        q3: attitude.y,
-        q4: attitude.z,
-        rollspeed: rate.x,
-        pitchspeed: rate.y,
-        yawspeed: rate.z,
-        ..ATTITUDE_QUATERNION_DATA::DEFAULT
-    }))
+    m.long(source.boot_ms())
+        .rotation(attitude)
+        .vector(source.telemetry.rate);
+    Some(())
+}
+
+impl Message {
+    /// Three floats.
+    pub(super) fn vector(&mut self, v: Vector3) -> &mut Self {
+        self.floats(&[v.x, v.y, v.z])
+    }
+
+    /// Four floats, the real part first.
+    pub(super) fn rotation(&mut self, q: Quaternion) -> &mut Self {
+        self.floats(&[q.w, q.x, q.y, q.z])
+    }
 }
 
 /// Pulses of 1000 to 2000 µs, as clients expect them.
-pub(super) fn servo_output(source: &Source<'_>) -> Message {
-    let [one, two, three, four] = source
-        .telemetry
-        .motors
-        .map(|share| 1000 + (u32::from(share) * 1000 / 65_535) as u16);
-    Message::of(&SERVO_OUTPUT_RAW_DATA {
-        time_usec: source.now as u32,
-        servo1_raw: one,
-        servo2_raw: two,
-        servo3_raw: three,
-        servo4_raw: four,
-        ..SERVO_OUTPUT_RAW_DATA::DEFAULT
-    })
+pub(super) fn servo_output(source: &Source<'_>, m: &mut Message) {
+    m.long(source.now as u32);
+    for share in source.telemetry.motors {
+        m.word(1000 + (u32::from(share) * 1000 / 65_535) as u16);
+    }
+    m.zeros(OTHER_OUTPUTS + 1);
 }
 
-pub(super) fn mission_current(source: &Source<'_>) -> Message {
+pub(super) fn mission_current(source: &Source<'_>, m: &mut Message) {
     let t = source.telemetry;
     let [mission, fence, rally] = source.plans;
-    let in_mission = t.mode == crate::Mode::Mission;
-    Message::of(&MISSION_CURRENT_DATA {
-        seq: t.mission.current,
-        total: mission.count,
-        mission_state: match t.mission.state {
-            _ if mission.count == 0 => Wire::MISSION_STATE_NO_MISSION,
-            MissionState::NotStarted => Wire::MISSION_STATE_NOT_STARTED,
-            MissionState::Active => Wire::MISSION_STATE_ACTIVE,
-            MissionState::Paused => Wire::MISSION_STATE_PAUSED,
-            MissionState::Complete => Wire::MISSION_STATE_COMPLETE,
-        },
-        mission_mode: if in_mission { IN_MISSION } else { SUSPENDED },
-        mission_id: mission.crc,
-        fence_id: fence.crc,
-        rally_points_id: rally.crc,
-    })
+    let state = match t.mission.state {
+        _ if mission.count == 0 => Wire::MISSION_STATE_NO_MISSION,
+        MissionState::NotStarted => Wire::MISSION_STATE_NOT_STARTED,
+        MissionState::Active => Wire::MISSION_STATE_ACTIVE,
+        MissionState::Paused => Wire::MISSION_STATE_PAUSED,
+        MissionState::Complete => Wire::MISSION_STATE_COMPLETE,
+    };
+    let is_flown = t.mode == crate::Mode::Mission;
+    m.word(t.mission.current)
+        .word(mission.count)
+        .byte(state as u8)
+        .byte(if is_flown { IN_MISSION } else { SUSPENDED })
+        .long(mission.crc)
+        .long(fence.crc)
+        .long(rally.crc);
 }
 
-/// `MISSION_ITEM_REACHED`.
-pub(crate) fn reached(index: u16) -> Message {
-    Message::of(&MISSION_ITEM_REACHED_DATA { seq: index })
-}
-
-pub(super) fn vfr_hud(source: &Source<'_>) -> Message {
+pub(super) fn vfr_hud(source: &Source<'_>, m: &mut Message) {
     let t = source.telemetry;
     let velocity = t.velocity.unwrap_or_else(Vector3::zeros);
     let speed = sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
-    let heading = centidegrees(t.attitude.map(|attitude| attitude.heading()));
-    Message::of(&VFR_HUD_DATA {
-        airspeed: speed,
-        groundspeed: speed,
-        alt: t.global.map_or(0.0, |global| global.altitude as f32 * 1e-3),
-        climb: -velocity.z,
-        heading: if heading == u16::MAX {
-            0
-        } else {
-            (heading / 100) as i16
-        },
-        throttle: scaled(t.throttle, 100.0, 0, (0, 100)),
-    })
+    let altitude = t.global.map_or(0.0, |global| global.altitude as f32 * 1e-3);
+    let heading = match centidegrees(t.attitude.map(|attitude| attitude.heading())) {
+        u16::MAX => 0,
+        heading => heading / 100,
+    };
+    // To a multicopter air speed is the same as ground speed.
+    m.floats(&[speed, speed, altitude, -velocity.z])
+        .word(heading)
+        .word(scaled(t.throttle, 100, 0, (0, 100)) as u16);
 }
 
-pub(super) fn extended_sys_state(source: &Source<'_>) -> Message {
-    Message::of(&EXTENDED_SYS_STATE_DATA {
-        landed_state: match source.telemetry.landed {
-            Landed::OnGround => MavLandedState::MAV_LANDED_STATE_ON_GROUND,
-            Landed::TakingOff => MavLandedState::MAV_LANDED_STATE_TAKEOFF,
-            Landed::InAir => MavLandedState::MAV_LANDED_STATE_IN_AIR,
-            Landed::Landing => MavLandedState::MAV_LANDED_STATE_LANDING,
-        },
-        ..EXTENDED_SYS_STATE_DATA::DEFAULT
-    })
+pub(super) fn extended_sys_state(source: &Source<'_>, m: &mut Message) {
+    let landed = match source.telemetry.landed {
+        Landed::OnGround => MavLandedState::MAV_LANDED_STATE_ON_GROUND,
+        Landed::TakingOff => MavLandedState::MAV_LANDED_STATE_TAKEOFF,
+        Landed::InAir => MavLandedState::MAV_LANDED_STATE_IN_AIR,
+        Landed::Landing => MavLandedState::MAV_LANDED_STATE_LANDING,
+    };
+    m.byte(0).byte(landed as u8);
 }

@@ -1,47 +1,50 @@
 //! Messages about places: where the vehicle is, where home is, where a photo was taken.
 
-use mavlink::dialects::common::{
-    CAMERA_IMAGE_CAPTURED_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType, HOME_POSITION_DATA,
-    LOCAL_POSITION_NED_DATA,
-};
-use windhover_math::Vector3;
+use mavlink::MessageData;
+use mavlink::dialects::common::{CAMERA_IMAGE_CAPTURED_DATA, GpsFixType};
 use windhover_math::geodesy::GlobalPosition;
+use windhover_math::{Quaternion, Vector3};
 
 use super::Source;
 use crate::Photo;
-use crate::scale::{centidegrees, scaled, short, word};
-use crate::telemetry::Fix;
+use crate::scale::{centidegrees, divided, scaled, short, word};
+use crate::telemetry::{Fix, Gnss};
 use crate::wire::Message;
 
-pub(super) fn local_position(source: &Source<'_>) -> Option<Message> {
-    let position = source.telemetry.position?;
-    let velocity = source.telemetry.velocity.unwrap_or_else(Vector3::zeros);
-    Some(Message::of(&LOCAL_POSITION_NED_DATA {
-        time_boot_ms: source.boot_ms(),
-        x: position.x,
-        y: position.y,
-        z: position.z,
-        vx: velocity.x,
-        vy: velocity.y,
-        vz: velocity.z,
-    }))
+/// The camera hangs at the autopilot and speaks no MAVLink itself: it is the first of those.
+const CAMERA: u8 = 1;
+
+/// A number of satellites that is not known.
+const UNKNOWN: u8 = 255;
+
+impl Message {
+    /// Latitude, longitude, altitude.
+    fn place(&mut self, place: GlobalPosition) -> &mut Self {
+        self.integer(place.latitude)
+            .integer(place.longitude)
+            .integer(place.altitude)
+    }
 }
 
-pub(super) fn global_position(source: &Source<'_>) -> Option<Message> {
+pub(super) fn local_position(source: &Source<'_>, m: &mut Message) -> Option<()> {
+    let position = source.telemetry.position?;
+    let velocity = source.telemetry.velocity.unwrap_or_else(Vector3::zeros);
+    m.long(source.boot_ms()).vector(position).vector(velocity);
+    Some(())
+}
+
+pub(super) fn global_position(source: &Source<'_>, m: &mut Message) -> Option<()> {
     let t = source.telemetry;
     let global = t.global?;
     let velocity = t.velocity.unwrap_or_else(Vector3::zeros);
-    Some(Message::of(&GLOBAL_POSITION_INT_DATA {
-        time_boot_ms: source.boot_ms(),
-        lat: global.latitude,
-        lon: global.longitude,
-        alt: global.altitude,
-        relative_alt: above_home(global, t.home),
-        vx: short(velocity.x, 100.0),
-        vy: short(velocity.y, 100.0),
-        vz: short(velocity.z, 100.0),
-        hdg: centidegrees(t.attitude.map(|attitude| attitude.heading())),
-    }))
+    m.long(source.boot_ms())
+        .place(global)
+        .integer(above_home(global, t.home));
+    for speed in [velocity.x, velocity.y, velocity.z] {
+        m.short(short(speed, 100));
+    }
+    m.word(centidegrees(t.attitude.map(|attitude| attitude.heading())));
+    Some(())
 }
 
 /// mm.
@@ -49,72 +52,60 @@ fn above_home(position: GlobalPosition, home: Option<GlobalPosition>) -> i32 {
     home.map_or(0, |home| position.altitude.saturating_sub(home.altitude))
 }
 
-pub(super) fn gps_raw_int(source: &Source<'_>) -> Message {
-    let Some(gnss) = source.telemetry.gnss else {
-        return Message::of(&GPS_RAW_INT_DATA {
-            time_usec: source.now,
-            eph: u16::MAX,
-            epv: u16::MAX,
-            vel: u16::MAX,
-            cog: u16::MAX,
-            fix_type: GpsFixType::GPS_FIX_TYPE_NO_GPS,
-            satellites_visible: 255,
-            ..GPS_RAW_INT_DATA::DEFAULT
-        });
+pub(super) fn gps_raw_int(source: &Source<'_>, m: &mut Message) {
+    let gnss = source.telemetry.gnss;
+    let fix = match gnss.map(|gnss| gnss.fix) {
+        None => GpsFixType::GPS_FIX_TYPE_NO_GPS,
+        Some(Fix::None) => GpsFixType::GPS_FIX_TYPE_NO_FIX,
+        Some(Fix::Flat) => GpsFixType::GPS_FIX_TYPE_2D_FIX,
+        Some(Fix::Full) => GpsFixType::GPS_FIX_TYPE_3D_FIX,
+        Some(Fix::Differential) => GpsFixType::GPS_FIX_TYPE_DGPS,
+        Some(Fix::RtkFloat) => GpsFixType::GPS_FIX_TYPE_RTK_FLOAT,
+        Some(Fix::RtkFixed) => GpsFixType::GPS_FIX_TYPE_RTK_FIXED,
     };
-    let [horizontal, vertical] = gnss.dilution;
-    let millimetres = |metres: f32| scaled(metres, 1e3, 0u32, (0, i32::MAX));
-    let [h_acc, v_acc] = gnss.accuracy.map(millimetres);
-    Message::of(&GPS_RAW_INT_DATA {
-        time_usec: source.now,
-        lat: gnss.position.latitude,
-        lon: gnss.position.longitude,
-        alt: gnss.position.altitude,
-        eph: word(horizontal, 100.0),
-        epv: word(vertical, 100.0),
-        vel: word(Some(gnss.speed), 100.0),
-        cog: centidegrees(gnss.course),
-        fix_type: match gnss.fix {
-            Fix::None => GpsFixType::GPS_FIX_TYPE_NO_FIX,
-            Fix::Flat => GpsFixType::GPS_FIX_TYPE_2D_FIX,
-            Fix::Full => GpsFixType::GPS_FIX_TYPE_3D_FIX,
-            Fix::Differential => GpsFixType::GPS_FIX_TYPE_DGPS,
-            Fix::RtkFloat => GpsFixType::GPS_FIX_TYPE_RTK_FLOAT,
-            Fix::RtkFixed => GpsFixType::GPS_FIX_TYPE_RTK_FIXED,
-        },
-        satellites_visible: gnss.satellites,
-        h_acc,
-        v_acc,
-        vel_acc: millimetres(gnss.speed_accuracy),
-        ..GPS_RAW_INT_DATA::DEFAULT
-    })
+    let (speed, satellites) = (gnss.map(|gnss| gnss.speed), gnss.map(|gnss| gnss.satellites));
+    let Gnss {
+        position,
+        course,
+        dilution: [horizontal, vertical],
+        accuracy: [across, up],
+        speed_accuracy,
+        ..
+    } = gnss.unwrap_or_default();
+    m.huge(source.now)
+        .place(position)
+        .word(word(horizontal, 100))
+        .word(word(vertical, 100))
+        .word(word(speed, 100))
+        .word(centidegrees(course))
+        .byte(fix as u8)
+        .byte(satellites.unwrap_or(UNKNOWN))
+        .zeros(4); // altitude above the ellipsoid
+    for metres in [across, up, speed_accuracy] {
+        m.integer(scaled(metres, 1000, 0, (0, i32::MAX)));
+    }
 }
 
-pub(super) fn home_position(source: &Source<'_>) -> Option<Message> {
-    let home = source.telemetry.home?;
-    Some(Message::of(&HOME_POSITION_DATA {
-        latitude: home.latitude,
-        longitude: home.longitude,
-        altitude: home.altitude,
-        q: [1.0, 0.0, 0.0, 0.0],
-        time_usec: source.now,
-        ..HOME_POSITION_DATA::DEFAULT
-    }))
+pub(super) fn home_position(source: &Source<'_>, m: &mut Message) -> Option<()> {
+    m.place(source.telemetry.home?)
+        .zeros(3 * 4) // local position
+        .rotation(Quaternion::IDENTITY)
+        .zeros(3 * 4) // approach
+        .huge(source.now);
+    Some(())
 }
 
 /// `CAMERA_IMAGE_CAPTURED`.
-pub(crate) fn image_captured(photo: &Photo, source: &Source<'_>) -> Message {
-    let attitude = photo.attitude;
-    Message::of(&CAMERA_IMAGE_CAPTURED_DATA {
-        time_utc: source.telemetry.utc.unwrap_or_default(),
-        time_boot_ms: (photo.time / 1000) as u32,
-        lat: photo.position.latitude,
-        lon: photo.position.longitude,
-        alt: photo.position.altitude,
-        relative_alt: above_home(photo.position, source.telemetry.home),
-        q: [attitude.w, attitude.x, attitude.y, attitude.z],
-        image_index: i32::try_from(photo.index).unwrap_or(i32::MAX),
-        capture_result: mavlink::dialects::common::MavBool::MAV_BOOL_TRUE,
-        ..CAMERA_IMAGE_CAPTURED_DATA::DEFAULT
-    })
+pub(crate) fn image_captured(photo: &Photo, source: &Source<'_>, m: &mut Message) {
+    let ago = source.now.saturating_sub(photo.time);
+    let utc = source.telemetry.utc.map(|utc| utc.saturating_sub(ago));
+    m.start(CAMERA_IMAGE_CAPTURED_DATA::ID)
+        .huge(utc.unwrap_or_default())
+        .long(divided(photo.time, 1000) as u32)
+        .place(photo.position)
+        .integer(above_home(photo.position, source.telemetry.home))
+        .rotation(photo.attitude)
+        .long(photo.index)
+        .byte(CAMERA)
+        .byte(1); // captured
 }

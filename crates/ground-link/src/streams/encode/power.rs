@@ -1,8 +1,7 @@
 //! Messages about what keeps the vehicle going: health and battery.
 
 use mavlink::dialects::common::{
-    BATTERY_STATUS_DATA, MavBatteryChargeState, MavBatteryFault, MavBatteryMode, MavSysStatusSensor,
-    MavSysStatusSensorExtended, SYS_STATUS_DATA,
+    MavBatteryChargeState, MavBatteryFunction, MavBatteryType, MavSysStatusSensor as Bit,
 };
 
 use super::Source;
@@ -13,8 +12,7 @@ use crate::wire::Message;
 /// Coulomb in a milliampere hour.
 const MAH: f32 = 3.6;
 
-pub(super) fn sys_status(source: &Source<'_>) -> Message {
-    type Bit = MavSysStatusSensor;
+pub(super) fn sys_status(source: &Source<'_>, m: &mut Message) {
     let (t, health) = (source.telemetry, source.telemetry.health);
     let can_arm = if health.can_arm { Part::Good } else { Part::Bad };
     let parts = [
@@ -36,30 +34,18 @@ pub(super) fn sys_status(source: &Source<'_>) -> Message {
         present.set(bit, part != Part::Absent);
         good.set(bit, part == Part::Good);
     }
-    let none = MavSysStatusSensorExtended::empty();
-    let Battery {
-        voltage,
-        current,
-        remaining,
-        ..
-    } = t.battery;
-    Message::of(&SYS_STATUS_DATA {
-        onboard_control_sensors_present: present,
-        onboard_control_sensors_enabled: present,
-        onboard_control_sensors_health: good,
-        load: scaled(t.load, 1000.0, 0, (0, 1000)),
-        voltage_battery: word(voltage, 1000.0),
-        current_battery: amperes(current),
-        drop_rate_comm: scaled(source.loss, 10_000.0, 0, (0, 10_000)),
-        battery_remaining: percent(remaining),
-        onboard_control_sensors_present_extended: none,
-        onboard_control_sensors_enabled_extended: none,
-        onboard_control_sensors_health_extended: none,
-        ..SYS_STATUS_DATA::DEFAULT
-    })
+    m.long(present.bits())
+        .long(present.bits())
+        .long(good.bits())
+        .word(scaled(t.load, 1000, 0, (0, 1000)) as u16)
+        .word(word(t.battery.voltage, 1000))
+        .short(amperes(t.battery.current))
+        .word(scaled(source.loss, 10_000, 0, (0, 10_000)) as u16)
+        .zeros(5 * 2) // errors
+        .byte(percent(t.battery.remaining));
 }
 
-pub(super) fn battery_status(source: &Source<'_>) -> Message {
+pub(super) fn battery_status(source: &Source<'_>, m: &mut Message) {
     let Battery {
         voltage,
         current,
@@ -67,33 +53,34 @@ pub(super) fn battery_status(source: &Source<'_>) -> Message {
         remaining,
         charge,
     } = source.telemetry.battery;
-    let mut voltages = [u16::MAX; 10];
-    let [first, ..] = &mut voltages;
-    *first = word(voltage, 1000.0);
-    Message::of(&BATTERY_STATUS_DATA {
-        current_consumed: consumed.map_or(-1, |charge| scaled(charge / MAH, 1.0, -1, (0, i32::MAX))),
-        energy_consumed: -1,
-        temperature: i16::MAX,
-        voltages,
-        current_battery: amperes(current),
-        battery_remaining: percent(remaining),
-        charge_state: match charge {
-            Charge::Enough => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_OK,
-            Charge::Low => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_LOW,
-            Charge::Critical => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_CRITICAL,
-        },
-        mode: MavBatteryMode::MAV_BATTERY_MODE_UNKNOWN,
-        fault_bitmask: MavBatteryFault::empty(),
-        ..BATTERY_STATUS_DATA::DEFAULT
-    })
+    let state = match charge {
+        Charge::Enough => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_OK,
+        Charge::Low => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_LOW,
+        Charge::Critical => MavBatteryChargeState::MAV_BATTERY_CHARGE_STATE_CRITICAL,
+    };
+    let consumed = consumed.unwrap_or(f32::NAN) / MAH;
+    m.integer(scaled(consumed, 1, -1, (0, i32::MAX)))
+        .integer(-1) // energy
+        .short(i16::MAX) // temperature
+        .word(word(voltage, 1000));
+    for _ in 1..10 {
+        m.word(u16::MAX); // further cells
+    }
+    m.short(amperes(current))
+        .byte(0) // number of the battery
+        .byte(MavBatteryFunction::MAV_BATTERY_FUNCTION_ALL as u8)
+        .byte(MavBatteryType::MAV_BATTERY_TYPE_UNKNOWN as u8)
+        .byte(percent(remaining))
+        .zeros(4) // time that remains
+        .byte(state as u8);
 }
 
 /// In 10 mA; -1 when unknown.
 fn amperes(current: Option<f32>) -> i16 {
-    scaled(current.unwrap_or(f32::NAN), 100.0, -1, (0, 0x7fff))
+    scaled(current.unwrap_or(f32::NAN), 100, -1, (0, 0x7fff)) as i16
 }
 
 /// In percent; -1 when unknown.
-fn percent(share: Option<f32>) -> i8 {
-    scaled(share.unwrap_or(f32::NAN), 100.0, -1, (0, 100))
+fn percent(share: Option<f32>) -> u8 {
+    scaled(share.unwrap_or(f32::NAN), 100, -1, (0, 100)) as u8
 }

@@ -1,0 +1,35 @@
+//! Numbers of the `MAV_CMD`s that are understood.
+
+pub const NAV_LOITER_UNLIM: u16 = 17;
+pub const NAV_RETURN_TO_LAUNCH: u16 = 20;
+pub const NAV_LAND: u16 = 21;
+pub const NAV_TAKEOFF: u16 = 22;
+pub const DO_SET_MODE: u16 = 176;
+pub const DO_CHANGE_SPEED: u16 = 178;
+pub const DO_SET_HOME: u16 = 179;
+pub const DO_FLIGHTTERMINATION: u16 = 185;
+pub const DO_CHANGE_ALTITUDE: u16 = 186;
+pub const DO_REPOSITION: u16 = 192;
+pub const DO_PAUSE_CONTINUE: u16 = 193;
+pub const DO_SET_ROI_LOCATION: u16 = 195;
+pub const DO_SET_ROI_NONE: u16 = 197;
+pub const DO_SET_ROI: u16 = 201;
+pub const DO_DIGICAM_CONTROL: u16 = 203;
+pub const DO_SET_CAM_TRIGG_DIST: u16 = 206;
+pub const DO_MOTOR_TEST: u16 = 209;
+pub const DO_SET_MISSION_CURRENT: u16 = 224;
+pub const PREFLIGHT_CALIBRATION: u16 = 241;
+pub const PREFLIGHT_STORAGE: u16 = 245;
+pub const PREFLIGHT_REBOOT_SHUTDOWN: u16 = 246;
+pub const MISSION_START: u16 = 300;
+pub const ACTUATOR_TEST: u16 = 310;
+pub const COMPONENT_ARM_DISARM: u16 = 400;
+pub const RUN_PREARM_CHECKS: u16 = 401;
+pub const GET_HOME_POSITION: u16 = 410;
+pub const GET_MESSAGE_INTERVAL: u16 = 510;
+pub const SET_MESSAGE_INTERVAL: u16 = 511;
+pub const REQUEST_MESSAGE: u16 = 512;
+pub const REQUEST_PROTOCOL_VERSION: u16 = 519;
+pub const REQUEST_AUTOPILOT_CAPABILITIES: u16 = 520;
+pub const IMAGE_START_CAPTURE: u16 = 2000;
+pub const IMAGE_STOP_CAPTURE: u16 = 2001;
