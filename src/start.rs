@@ -7,8 +7,8 @@ use windhover_storage::ParameterStore;
 use crate::board::{STORED, Storage};
 use crate::fault;
 
-/// The outer step with the parameters that are stored. Where there is one to `store`, it does that
-/// and starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
+/// The outer step with the parameters that are stored; where some are damaged, one that does not arm
+/// of itself. Where there is one to `store`, it does that and starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
 pub fn outer(storage: Storage, store: Option<ParameterWrite>, config: &OuterConfig) -> Outer {
     let mut journal = ParameterStore::new(storage, STORED).expect("whole sectors");
     if let Some(write) = store {
@@ -28,9 +28,14 @@ pub fn outer(storage: Storage, store: Option<ParameterWrite>, config: &OuterConf
             loaded.corrupt
         );
     }
-    Outer::new(parameters, config).unwrap_or_else(|| {
-        defmt::error!("the stored parameters describe no vehicle that flies: all are at their defaults");
-        Outer::new(Parameters::default(), config)
-            .expect("the default parameters describe a vehicle that flies")
-    })
+    match Outer::new(parameters, config) {
+        Some(outer) if loaded.refused == 0 && !loaded.corrupt => outer,
+        Some(outer) => outer.with_damaged_storage(),
+        None => {
+            defmt::error!("the stored parameters describe no vehicle that flies: all are at their defaults");
+            Outer::new(Parameters::default(), config)
+                .expect("the default parameters describe a vehicle that flies")
+                .with_damaged_storage()
+        }
+    }
 }

@@ -1,12 +1,13 @@
-//! A flight of the firmware on the emulated board: it boots, finds its attitude at rest, arms,
-//! holds the attitudes that a pilot commands over the command port, and disarms.
+//! A flight of the firmware on the emulated board: it boots, finds its attitude at rest, arms in the
+//! mode for setpoints from outside, holds the attitudes that a pilot commands over the command port,
+//! and disarms.
 //!
 //! The pilot sees the truth and holds the height by thrust, so that the attitude is all that the
 //! firmware is asked to hold.
 
 use std::sync::Arc;
 
-use windhover_autopilot::{Command, ParameterWrite, Parameters, Urgent};
+use windhover_autopilot::{Command, Mode, ParameterWrite, Parameters, Urgent};
 use windhover_bench_port::{FRAME, Request};
 use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::Input;
@@ -32,15 +33,15 @@ const SETPOINT_PERIOD: u64 = SECOND / 50;
 /// programs its option bytes or erases a sector first.
 const READY: u64 = 2 * SECOND;
 
-/// The pilot asks so long for the motors before he gives up: the vehicle arms once it knows its
-/// attitude.
+/// The pilot asks so long for the motors before he gives up: the vehicle takes the mode and arms once
+/// it knows its attitude.
 const PATIENCE: u64 = 8 * SECOND;
 
 /// Between two requests to arm.
 const ARM_PERIOD: u64 = SECOND / 5;
 
-/// From motors that turn to the command to take attitudes.
-const START: u64 = SECOND / 10;
+/// The emulated sensors need no calibration: they are said to have one.
+const CALIBRATED: [&str; 2] = ["CAL_GYRO0_ID", "CAL_ACC0_ID"];
 
 /// Each attitude is held so long, in s.
 const HOLD: f64 = 5.0;
@@ -192,8 +193,9 @@ impl Flight {
         Ok(())
     }
 
-    /// Asks for the motors until they turn, which the firmware refuses until it has stood still
-    /// for long enough to know its attitude. Whether they do turn; then the holds begin.
+    /// Asks for the mode and the motors until they turn, which the firmware refuses until it has
+    /// stood still for long enough to know its attitude. Whether they do turn; then the holds begin,
+    /// the first of them while the motors still idle.
     ///
     /// # Errors
     /// What stopped the machine.
@@ -205,13 +207,27 @@ impl Flight {
             }
             self.steer(0.0);
             if (step * SETPOINT_PERIOD).is_multiple_of(ARM_PERIOD) {
-                self.send(Request::Input(Input::Command(Command::Arm)));
+                self.ask_for_motors();
             }
             self.run(asked + step * SETPOINT_PERIOD)?;
         }
         self.begin = self.machine.now();
         self.load_before = self.machine.load().clone();
         Ok(self.turns())
+    }
+
+    fn ask_for_motors(&mut self) {
+        let calibrated = CALIBRATED.map(|name| {
+            let index = Parameters::find(name).expect("the table has it");
+            Input::Parameter(ParameterWrite {
+                index: index as u16,
+                value: 1.0,
+            })
+        });
+        let commands = [Command::Fly(Mode::Offboard), Command::Arm].map(Input::Command);
+        for input in calibrated.into_iter().chain(commands) {
+            self.send(Request::Input(input));
+        }
     }
 
     /// When the holds began, in s since power-on.
@@ -242,9 +258,6 @@ impl Flight {
         for step in 0..steps {
             let error = self.steer(step as f64 / 50.0);
             outcome.attitude_error = max(outcome.attitude_error, error.unwrap_or(0.0));
-            if step * SETPOINT_PERIOD == START {
-                self.send(Request::Input(Input::Command(Command::StartAttitude)));
-            }
             self.run(self.begin + (step + 1) * SETPOINT_PERIOD)?;
             outcome.height = max(outcome.height, -self.truth().position.z);
             progress(step as f64 / steps as f64);

@@ -165,6 +165,10 @@ pub struct Battery {
 impl Battery {
     /// Goes on by `dt_us` µs, and takes in the samples that came, in order of time.
     pub fn step(&mut self, samples: &[BatterySample], parameters: &BatteryParameters, dt_us: u32) {
+        if samples.is_empty() && self.measured.is_none() {
+            // Nothing is known, and nothing comes.
+            return;
+        }
         if !parameters.is_watched() {
             *self = Self::default();
             return;
@@ -178,7 +182,9 @@ impl Battery {
                 self.refused = self.refused.wrapping_add(1);
             }
         }
-        self.remaining = self.measured.as_mut().and_then(|m| m.remaining(parameters));
+        if !samples.is_empty() {
+            self.remaining = self.measured.as_mut().and_then(|m| m.remaining(parameters));
+        }
         self.judge(parameters, dt_us as f32 * 1e-6);
     }
 

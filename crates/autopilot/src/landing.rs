@@ -91,12 +91,16 @@ impl LandDetector {
         let per_second = 1.0 / dt;
         self.thrust += (increments.thrust * per_second / weight - self.thrust) * share;
         self.force += (increments.velocity * per_second - self.force) * share;
-        let follows = if increments.blind > 0 { BLIND_SMOOTHING } else { 0.0 };
+        let follows = if increments.blind > 0 {
+            BLIND_SMOOTHING
+        } else {
+            0.0
+        };
         self.sinking += (estimate.velocity.z - self.sinking) * (dt / (dt + follows));
         let changes = if self.landed {
             self.lifts(estimate)
         } else {
-            self.stands(snapshot, estimate, per_second)
+            self.thrust < THRUST && self.stands(snapshot, estimate, per_second)
         };
         self.since = if changes { self.since + dt } else { 0.0 };
         let enough = if !self.landed {
@@ -132,7 +136,7 @@ impl LandDetector {
         // An accelerometer that shows nothing says nothing of the ground either.
         let blind = snapshot.increments.blind > 0 && estimate.known.height;
         let held = blind || (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
-        self.thrust < THRUST && held && still_upright && still_flat && rate < RATE
+        held && still_upright && still_flat && rate < RATE
     }
 }
 

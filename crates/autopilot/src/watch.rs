@@ -8,6 +8,7 @@ use windhover_math::{max, min};
 use crate::battery::Charge;
 use crate::estimation::Estimate;
 use crate::inner::{Snapshot, Stop};
+use crate::io::Increments;
 use crate::mode::Mode;
 use crate::parameters::Parameters;
 use crate::schedule::OUTER_RATE;
@@ -141,23 +142,31 @@ impl Symptoms {
     #[inline]
     fn look(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) {
         let increments = &snapshot.increments;
-        let ticks = f32::from(increments.ticks.max(1));
-        let share = |time: f32| min(increments.duration / time, 1.0);
         // An accelerometer that shows the same for long hangs, unless the world has no noise.
         let blind = if on_sensors { increments.blind } else { 0 };
-        let bad = f32::from(increments.missing.max(blind).max(increments.clipped));
-        self.bad_samples += (min(bad / ticks, 1.0) - self.bad_samples) * share(SHARE_TIME);
+        let bad = increments.missing.max(blind).max(increments.clipped);
         let saturated = if wanted.all_thrust {
-            1.0
+            increments.ticks
         } else if wanted.light {
             // At the lower end of the thrust, torques are short of room: on the ground, as a rule.
-            0.0
+            0
         } else {
-            f32::from(increments.saturated) / ticks
+            increments.saturated
         };
-        self.saturated += (saturated - self.saturated) * share(SHARE_TIME);
-        self.cos_tilt += (wanted.cos_tilt - self.cos_tilt) * share(TILT_TIME);
+        if bad > 0 || saturated > 0 || self.bad_samples > 0.0 || self.saturated > 0.0 {
+            self.count(increments, bad, saturated);
+        }
+        self.cos_tilt += (wanted.cos_tilt - self.cos_tilt) * share(increments, TILT_TIME);
         self.was_silent |= increments.duration > SILENCE;
+    }
+
+    /// Takes in so many ticks at which something was wrong, while there are any or their shares fade.
+    #[inline(never)]
+    fn count(&mut self, increments: &Increments, bad: u16, saturated: u16) {
+        let ticks = f32::from(increments.ticks.max(1));
+        let share = share(increments, SHARE_TIME);
+        self.bad_samples += (min(f32::from(bad) / ticks, 1.0) - self.bad_samples) * share;
+        self.saturated += (f32::from(saturated) / ticks - self.saturated) * share;
     }
 
     /// The rows whose condition holds.
@@ -198,6 +207,11 @@ impl Symptoms {
     }
 }
 
+/// How far a mean over `time` s follows an interval.
+fn share(increments: &Increments, time: f32) -> f32 {
+    min(increments.duration / time, 1.0)
+}
+
 /// Whether a position can be relied on: as declared, and measured not too long ago.
 pub fn is_position_known(estimate: &Estimate, age: Option<f32>, parameters: &Parameters) -> bool {
     let measured = age.is_none_or(|age| age <= parameters.safety.position_lost);
@@ -208,7 +222,8 @@ pub fn is_position_known(estimate: &Estimate, age: Option<f32>, parameters: &Par
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     symptoms: Symptoms,
-    /// For how long each condition has held, or has been gone, in looks.
+    /// For how long each condition has held, or has been gone, in looks; counted while its row is not
+    /// yet as the condition is.
     held: [u16; ROWS],
     /// The conditions that held at the last look.
     last: RowSet,
@@ -251,18 +266,25 @@ impl Watch {
     pub fn look(&mut self, seen: &Seen<'_>) -> RowSet {
         let now = self.symptoms.rows(seen);
         let before = self.active;
-        for (row, held) in Row::ALL.iter().zip(&mut self.held) {
-            let (is, was) = (now.contains(*row), self.last.contains(*row));
-            *held = if is == was { held.saturating_add(1) } else { 0 };
+        let changed = now.xor(self.last);
+        // All others are as their conditions are: there is nothing to be timed.
+        for row in now.xor(before).iter() {
+            let Some(held) = self.held.get_mut(row as usize) else {
+                continue;
+            };
+            *held = if changed.contains(row) {
+                0
+            } else {
+                held.saturating_add(1)
+            };
             let watched = row.watched();
-            let active = self.active.contains(*row);
-            let time = if is {
+            let time = if now.contains(row) {
                 (watched.after)(seen.parameters)
             } else {
                 watched.clears
             };
-            if is != active && f32::from(*held) * PERIOD >= time {
-                self.active = RowSet(self.active.0 ^ RowSet::of(*row).0);
+            if f32::from(*held) * PERIOD >= time {
+                self.active = self.active.xor(RowSet::of(row));
             }
         }
         self.last = now;

@@ -163,7 +163,7 @@ mod tests {
 
     use proptest::prelude::*;
     use std::vec::Vec;
-    use windhover_autopilot::Command;
+    use windhover_autopilot::{Command, Mode};
     use windhover_control::position::AttitudeSetpoint;
     use windhover_math::{Quaternion, Vector3};
 
@@ -179,7 +179,7 @@ mod tests {
             index: 3,
             value: -0.5,
         };
-        let mut all: Vec<Request> = [Command::Arm, Command::StartAttitude, Command::Disarm]
+        let mut all: Vec<Request> = [Command::ForceArm, Command::Fly(Mode::Offboard), Command::Disarm]
             .map(|command| Request::Input(Input::Command(command)))
             .into();
         all.extend([

@@ -98,7 +98,7 @@ impl Mixer {
         let well_formed =
             share.iter().all(|of_rotor| of_rotor[0] > 0.01) && thrust_max > 0.0 && thrust_max.is_finite();
         let reference = Curve::new(squared, thrust_max);
-        well_formed.then(|| Self {
+        well_formed.then_some(Self {
             share,
             thrust_min: idle * idle * thrust_max,
             thrust_max,

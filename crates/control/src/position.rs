@@ -118,6 +118,48 @@ impl AttitudeSetpoint {
 pub struct PositionController {
     axes: [Pid; 3],
     shortfall: Vector3,
+    limit: TiltLimit,
+}
+
+/// The largest tilt, rad, with its functions: they change with a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TiltLimit {
+    tilt: f32,
+    sin: f32,
+    cos: f32,
+    tan: f32,
+}
+
+impl Default for TiltLimit {
+    fn default() -> Self {
+        Self {
+            tilt: 0.0,
+            sin: 0.0,
+            cos: 1.0,
+            tan: 0.0,
+        }
+    }
+}
+
+impl TiltLimit {
+    #[inline]
+    fn of(&mut self, tilt: f32) -> Self {
+        if tilt != self.tilt {
+            *self = Self::new(tilt);
+        }
+        *self
+    }
+
+    #[cold]
+    fn new(tilt: f32) -> Self {
+        let sin = sin(tilt);
+        Self {
+            tilt,
+            sin,
+            cos: cos(tilt),
+            tan: sin / sqrt(1.0 - sin * sin),
+        }
+    }
 }
 
 impl PositionController {
@@ -133,21 +175,21 @@ impl PositionController {
         thrust_shortfall: f32,
         dt: f32,
     ) -> AttitudeSetpoint {
-        let cos_tilt = cos_tilt(estimate.attitude, parameters);
+        let limit = self.limit.of(parameters.tilt_max);
+        let cos_tilt = max(estimate.attitude.cos_tilt(), limit.cos);
         self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
         let feedback = self.feedback(parameters, vehicle, setpoint, estimate, dt);
         let demand = feedback + setpoint.acceleration * parameters.feed_forward - estimate.disturbance;
 
         let (lift, thrust) = self.height(parameters, vehicle, demand.z, cos_tilt);
-        let sin_tilt_max = sin(parameters.tilt_max);
-        let force = self.horizontal(vehicle, demand, lift, tan_of(sin_tilt_max));
+        let force = self.horizontal(vehicle, demand, lift, limit.tan);
         let inversion_thrust = if parameters.inversion > 0.5 {
             scalar::norm(Vector3::new(force.0, force.1, lift))
         } else {
             thrust
         };
         let heading = sin_cos(setpoint.heading);
-        let angles = roll_pitch(force.0, force.1, inversion_thrust, heading, sin_tilt_max);
+        let angles = roll_pitch(force.0, force.1, inversion_thrust, heading, limit.sin);
         let attitude = Quaternion::from_euler(windhover_math::Euler {
             roll: angles.roll,
             pitch: angles.pitch,
@@ -176,7 +218,8 @@ impl PositionController {
         thrust_shortfall: f32,
         dt: f32,
     ) -> f32 {
-        let cos_tilt = cos_tilt(estimate.attitude, parameters);
+        let limit = self.limit.of(parameters.tilt_max);
+        let cos_tilt = max(estimate.attitude.cos_tilt(), limit.cos);
         self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
         (self.shortfall.x, self.shortfall.y) = (0.0, 0.0);
         let error = saturate(setpoint.position.z - estimate.position.z, parameters.error_max);
@@ -200,7 +243,10 @@ impl PositionController {
 
     /// Forgets the integrals.
     pub fn reset(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            limit: self.limit,
+            ..Self::default()
+        };
     }
 
     /// The three PID of equation (13), in m/s².
@@ -268,11 +314,6 @@ impl PositionController {
     }
 }
 
-/// Cosine of the tilt as the height equation may divide by it.
-fn cos_tilt(attitude: Quaternion, parameters: &PositionParameters) -> f32 {
-    max(attitude.cos_tilt(), cos(parameters.tilt_max))
-}
-
 /// What turns the unit of the gains into an acceleration.
 fn per_mass(parameters: &PositionParameters, vehicle: &VehicleParameters) -> f32 {
     if parameters.gain_unit > 0.5 {
@@ -280,10 +321,6 @@ fn per_mass(parameters: &PositionParameters, vehicle: &VehicleParameters) -> f32
     } else {
         1.0
     }
-}
-
-fn tan_of(sine: f32) -> f32 {
-    sine / sqrt(1.0 - sine * sine)
 }
 
 /// Faster than this no roll or pitch is fed forward, rad/s.

@@ -3,10 +3,10 @@
 
 use core::hint::black_box;
 
-use windhover_autopilot::mission::{MissionEvent, MissionItem};
+use windhover_autopilot::mission::{MissionEvent, MissionItem, PlanKind};
 use windhover_autopilot::{
-    Command, ExternalEstimate, Increments, MissionCommit, Outer, OuterConfig, OuterInputs, OuterResult,
-    Parameters, Snapshot,
+    Command, ExternalEstimate, Increments, MissionCommit, Mode, Outer, OuterConfig, OuterInputs, OuterResult,
+    Parameters, Phase, Snapshot,
 };
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::{GRAVITY, Quaternion, Vector3};
@@ -46,7 +46,7 @@ pub fn fly() {
     let mut steps = 0;
     for step in 0..STEPS {
         let snapshot = snapshot(step, &estimate);
-        if is_flying(&outer, &snapshot) {
+        if is_flying(&outer) {
             steps += 1;
             outer_step(&mut outer, black_box(&snapshot), &items, &mut result);
         } else {
@@ -67,9 +67,10 @@ pub fn fly() {
 }
 
 /// Whether this step is one of a vehicle that is in the air on its mission.
-fn is_flying(outer: &Outer, snapshot: &Snapshot) -> bool {
+fn is_flying(outer: &Outer) -> bool {
+    let supervisor = outer.supervisor();
     let height = -outer.estimation().estimate().position.z;
-    snapshot.inputs.command.is_empty() && height > 1.0
+    (supervisor.phase(), supervisor.mode()) == (Phase::Flying, Mode::Mission) && height > 1.0
 }
 
 fn waypoint(frame: &LocalFrame, [north, east]: [f32; 2]) -> MissionItem {
@@ -90,13 +91,16 @@ fn snapshot(step: u32, estimate: &ExternalEstimate) -> Snapshot {
     let mut inputs = OuterInputs::default();
     let _ = inputs.external.push(*estimate);
     let command = match step {
-        1 => Some(Command::Arm),
-        2 => Some(Command::CommitMission(MissionCommit {
-            slot: 0,
-            count: CORNERS.len() as u16,
-            crc: 0,
-        })),
-        3 => Some(Command::StartMission),
+        1 => Some(Command::Commit(
+            PlanKind::Mission,
+            MissionCommit {
+                slot: 0,
+                count: CORNERS.len() as u16,
+                crc: 0,
+            },
+        )),
+        2 => Some(Command::StartMission(0)),
+        3 => Some(Command::Arm),
         _ => None,
     };
     if let Some(command) = command {

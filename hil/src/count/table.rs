@@ -122,7 +122,7 @@ impl Table {
             row(
                 "outer tick in a mission, no filter",
                 kernels.mission,
-                Mean(2000),
+                Mean(2500),
                 OUTER,
             ),
             row("outer tick, filter, no position", ticks.outer, None, &[]),

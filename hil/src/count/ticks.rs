@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use windhover_autopilot::Command;
 use windhover_bench_port::Request;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::Input;
@@ -27,11 +26,8 @@ const SETPOINT_PERIOD: u64 = SECOND / 50;
 /// So long the disarmed vehicle is looked at, from power-on.
 const DISARMED: u64 = SECOND;
 
-/// When the firmware is told to take attitudes, since its motors turn.
-const START: u64 = SECOND / 10;
-
 /// From then on, since its motors turn, the vehicle is in the air, and everything counts.
-const AIRBORNE: u64 = 2 * SECOND;
+const AIRBORNE: u64 = 3 * SECOND;
 
 /// Thrust as a share of the weight.
 const CLIMB: f64 = 1.05;
@@ -106,10 +102,6 @@ pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
 
 /// Sends what is due at this moment since the motors turn.
 fn steer(flight: &mut Flight, mass: f64, now: u64) {
-    let mut send = |input| flight.send(Request::Input(input));
-    if now == START {
-        send(Input::Command(Command::StartAttitude));
-    }
     if now.is_multiple_of(SETPOINT_PERIOD) {
         let [roll, pitch] = TILTS[(now / HOLD) as usize % TILTS.len()].map(f32::to_radians);
         let attitude = Quaternion::from_euler(Euler {
@@ -117,11 +109,11 @@ fn steer(flight: &mut Flight, mass: f64, now: u64) {
             pitch,
             yaw: 0.0,
         });
-        send(Input::Attitude(AttitudeSetpoint {
+        flight.send(Request::Input(Input::Attitude(AttitudeSetpoint {
             attitude,
             rate: Vector3::zeros(),
             thrust: (CLIMB * mass * f64::from(GRAVITY)) as f32,
-        }));
+        })));
     }
 }
 

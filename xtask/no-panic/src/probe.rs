@@ -7,10 +7,14 @@ use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mode::Guidance;
 use windhover_autopilot::{
-    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, Imu, ImuCounts, Inner,
-    InnerConfig, InnerInput, Mailboxes, Outer, OuterConfig, Parameters, Queues,
+    BarometerSample, BatterySample, Command, CompassSample, ExternalEstimate, GnssSample, Imu, ImuCounts,
+    Inner, InnerConfig, InnerInput, Mailboxes, Outer, OuterConfig, ParameterWrite, Parameters, Queues,
+    RcFrame, Station, Sticks,
 };
+use windhover_control::TrajectorySetpoint;
+use windhover_control::position::AttitudeSetpoint;
 use windhover_flight_log::{Logger, LoggerConfig};
 use windhover_math::{Quaternion, Vector3};
 
@@ -70,8 +74,13 @@ fn input() -> InnerInput {
     black_box(InnerInput { imu, urgent: None })
 }
 
+/// Something into every queue. Behind a black box each stands for all that its type can hold: the
+/// command for all commands, with all modes and kinds of plans.
 fn feed(queues: &mut Queues) {
     queues.command.push(black_box(Command::Arm));
+    queues
+        .parameter
+        .push(black_box(ParameterWrite { index: 0, value: 0.0 }));
     queues.barometer.push(black_box(BarometerSample {
         time: 0,
         pressure: 1e5,
@@ -86,6 +95,15 @@ fn feed(queues: &mut Queues) {
         velocity: Vector3::zeros(),
         attitude: Quaternion::IDENTITY,
     }));
+    queues
+        .setpoint
+        .push(black_box(TrajectorySetpoint::at_rest(Vector3::zeros(), 0.0)));
+    queues.attitude.push(black_box(AttitudeSetpoint::default()));
+    queues.guidance.push(black_box(Guidance::default()));
+    queues.rc.push(black_box(RcFrame::default()));
+    queues.sticks.push(black_box(Sticks::default()));
+    queues.battery.push(black_box(BatterySample::default()));
+    queues.station.push(black_box(Station::default()));
 }
 
 unsafe extern "C" {

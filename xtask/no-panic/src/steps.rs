@@ -11,12 +11,12 @@ use windhover_flight_log::Logger;
 /// Bytes of the log's ring.
 pub const LOG: usize = 4096;
 
-/// Stored missions in memory that the optimiser knows nothing about.
+/// Stored plans of any kind in memory that the optimiser knows nothing about.
 pub struct Storage<'a>(pub &'a [MissionItem]);
 
 impl MissionSource for Storage<'_> {
-    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
-        core::hint::black_box(self.0).item(kind, slot, index)
+    fn item(&self, _: PlanKind, _: u8, index: u16) -> Option<MissionItem> {
+        core::hint::black_box(self.0).get(usize::from(index)).copied()
     }
 }
 

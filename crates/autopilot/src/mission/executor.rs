@@ -226,6 +226,7 @@ impl MissionExecutor {
     }
 
     /// Goes on by `dt` µs: where to be now. What happens is added to `events`.
+    #[inline(always)]
     pub fn step<S: MissionSource + ?Sized>(
         &mut self,
         around: &Surroundings<'_, S>,

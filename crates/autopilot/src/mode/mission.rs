@@ -33,21 +33,24 @@ impl Mission {
     }
 
     /// One step. `mission` is what was interrupted, if anything was; `first` is the item that a new
-    /// one starts with.
+    /// one starts with. The step is written in place: a mission flies for long, and its steps are many.
     pub fn step<S: MissionSource + ?Sized>(
         &mut self,
         around: &Around<'_, S>,
         mission: &mut Option<MissionExecutor>,
         first: u16,
         events: &mut MissionEvents,
-    ) -> Step {
+        step: &mut Step,
+    ) {
         let Some(surroundings) = surroundings(around) else {
-            return self.stay(around);
+            *step = self.stay(around);
+            return;
         };
         if let Some(course) = &mut self.braking {
             let setpoint = course.step(around);
             if !course.is_done() {
-                return Step::of(Demand::Follow(setpoint));
+                *step = Step::of(Demand::Follow(setpoint));
+                return;
             }
             begin(
                 around,
@@ -58,24 +61,26 @@ impl Mission {
                 setpoint.heading,
             );
             if mission.is_none() {
-                return self.stay(around);
+                *step = self.stay(around);
+                return;
             }
             self.braking = None;
         }
         let Some(mission) = mission else {
-            return self.stay(around);
+            *step = self.stay(around);
+            return;
         };
-        if around.landed && mission.waits_on_ground() {
-            // The first step plans; the vehicle stands meanwhile.
-            mission.step(&surroundings, around.dt, events);
-            return Step::of(Demand::Rest);
-        }
+        let waits = around.landed && mission.waits_on_ground();
         let setpoint = mission.step(&surroundings, around.dt, events);
-        Step {
-            next: mission.outcome(),
-            leg_end: Some(mission.leg_end()),
-            ..Step::of(Demand::Follow(setpoint))
+        if waits {
+            // The first step plans; the vehicle stands meanwhile.
+            *step = Step::rest();
+            return;
         }
+        step.demand = Demand::Follow(setpoint);
+        step.next = mission.outcome();
+        step.contact = false;
+        step.leg_end = Some(mission.leg_end());
     }
 
     /// There is nothing to fly to: stays where it is, and hold goes on with that.

@@ -246,6 +246,12 @@ pub struct Step {
     pub thrust_share: f32,
 }
 
+impl Default for Step {
+    fn default() -> Self {
+        Self::rest()
+    }
+}
+
 impl Step {
     /// Of a vehicle that stands.
     pub fn rest() -> Self {
@@ -295,7 +301,11 @@ enum Active {
 #[derive(Clone, Debug, Default)]
 pub struct Modes {
     active: Option<(Mode, Active)>,
-    /// What was commanded last.
+    /// What the last step gave.
+    step: Step,
+    /// The attitude at that step.
+    attitude: Quaternion,
+    /// What was commanded last, where that does not follow from the step.
     motion: Option<Motion>,
     /// The mission as far as it has come, also while another mode flies.
     mission: Option<MissionExecutor>,
@@ -333,42 +343,53 @@ impl Modes {
         *self = Self::default();
     }
 
-    /// One step of `mode`, which is entered if it was another one so far.
+    /// What the last step gave.
+    pub fn last(&self) -> &Step {
+        &self.step
+    }
+
+    /// The vehicle stands meanwhile; the next step goes on from the motion there was.
+    pub fn pause(&mut self) {
+        self.motion = self.commanded();
+        self.step = Step::rest();
+    }
+
+    /// One step of `mode`, which is entered if it was another one so far; [`Self::last`] has what it
+    /// gives.
     pub fn step<S: MissionSource + ?Sized>(
         &mut self,
         mode: Mode,
         around: &Around<'_, S>,
         events: &mut MissionEvents,
-    ) -> Step {
+    ) {
         if self.active.as_ref().is_none_or(|(active, _)| *active != mode) {
             self.active = Some((mode, self.enter(mode, around)));
         }
         let Some((_, active)) = &mut self.active else {
-            return Step::of(Demand::Rest);
+            return;
         };
-        let step = match active {
-            Active::Stabilize(mode) => mode.step(around),
-            Active::Altitude(mode) => mode.step(around),
-            Active::Position(mode) => mode.step(around),
-            Active::Takeoff(mode) => mode.step(around),
-            Active::Hold(mode) => mode.step(around),
-            Active::Mission(mode) => mode.step(around, &mut self.mission, self.first_item, events),
-            Active::Return(mode) => mode.step(around),
-            Active::Land(mode) => mode.step(around),
-            Active::Offboard(mode) => mode.step(around),
-            Active::Descend(mode) => mode.step(around),
-        };
-        if mode == Mode::Mission && step.next.is_some() {
+        let (step, mission) = (&mut self.step, &mut self.mission);
+        match active {
+            Active::Stabilize(mode) => *step = mode.step(around),
+            Active::Altitude(mode) => *step = mode.step(around),
+            Active::Position(mode) => *step = mode.step(around),
+            Active::Takeoff(mode) => *step = mode.step(around),
+            Active::Hold(mode) => *step = mode.step(around),
+            Active::Mission(mode) => mode.step(around, mission, self.first_item, events, step),
+            Active::Return(mode) => *step = mode.step(around),
+            Active::Land(mode) => *step = mode.step(around),
+            Active::Offboard(mode) => *step = mode.step(around),
+            Active::Descend(mode) => *step = mode.step(around),
+        }
+        if mode == Mode::Mission && self.step.next.is_some() {
             (self.mission, self.first_item) = (None, 0);
         }
-        self.remember(&step.demand, around.estimate, around.handover);
-        step
+        self.remember(around.estimate, around.handover);
     }
 
-    /// Keeps what is commanded for the next mode.
-    fn remember(&mut self, demand: &Demand, estimate: &Estimate, handover: &Handover) {
-        self.motion = match demand {
-            Demand::Rest => None,
+    /// What was commanded last.
+    fn commanded(&self) -> Option<Motion> {
+        match &self.step.demand {
             Demand::Follow(point) => Some(Motion {
                 glide: Glide {
                     position: point.position,
@@ -379,8 +400,21 @@ impl Modes {
                     heading: point.heading,
                     rate: point.heading_rate,
                 },
-                attitude: estimate.attitude,
+                attitude: self.attitude,
             }),
+            _ => self.motion,
+        }
+    }
+
+    /// Keeps for the next mode what the step itself does not say.
+    fn remember(&mut self, estimate: &Estimate, handover: &Handover) {
+        self.attitude = estimate.attitude;
+        if matches!(self.step.demand, Demand::Rest | Demand::Follow(_)) {
+            self.motion = None;
+            return;
+        }
+        self.motion = match &self.step.demand {
+            Demand::Rest | Demand::Follow(_) => None,
             Demand::Tilt {
                 attitude,
                 heading_rate,
@@ -405,7 +439,7 @@ impl Modes {
     }
 
     fn enter<S: MissionSource + ?Sized>(&mut self, mode: Mode, around: &Around<'_, S>) -> Active {
-        let motion = self.motion.unwrap_or_else(|| around.at_rest());
+        let motion = self.commanded().unwrap_or_else(|| around.at_rest());
         // For this mode, or for none: no later hold goes there.
         let target = self.target.take();
         match mode {

@@ -2,7 +2,7 @@
 
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
-use windhover_math::{Vector3, scalar, wrap_pi};
+use windhover_math::{Vector3, max, min, scalar, wrap_pi};
 
 use super::{Around, Demand, Motion, Step};
 use crate::queue::OuterInputs;
@@ -82,6 +82,9 @@ impl Setpoints {
     /// in the order of [`Outside`] counts.
     pub fn take(&mut self, inputs: &OuterInputs, dt: u32) {
         self.age = self.age.saturating_add(dt);
+        if inputs.attitude.is_empty() && inputs.guidance.is_empty() && inputs.setpoint.is_empty() {
+            return;
+        }
         let attitude = inputs.attitude.iter().rev().find(|setpoint| setpoint.is_valid());
         let guidance = inputs.guidance.iter().rev().find(|setpoint| setpoint.is_valid());
         let point = inputs.setpoint.iter().rev().find(|setpoint| setpoint.is_finite());
@@ -156,7 +159,7 @@ impl Offboard {
             own(to_height, towards.z) + own(Guidance::CLIMB, guidance.velocity.z),
         );
         let flat = scalar::limit_norm(Vector3::new(wanted.x, wanted.y, 0.0), p.velocity);
-        let wanted = Vector3::new(flat.x, flat.y, wanted.z.clamp(-p.climb, p.descend));
+        let wanted = Vector3::new(flat.x, flat.y, max(-p.climb, min(wanted.z, p.descend)));
         if around.landed && wanted.z >= 0.0 {
             *self = Self::enter(&around.at_rest());
             return Step::of(Demand::Rest);

@@ -12,6 +12,7 @@ use crate::mission::action::{Altitude, Place, Reason, Refusal};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Target};
 use crate::queue::Command;
+use crate::rc::Events;
 use crate::supervisor::{Denied, Facts, Order, Phase, Row};
 use crate::watch::Needs;
 
@@ -28,6 +29,9 @@ impl Outer {
         events: &mut MissionEvents,
         refusals: &mut heapless::Vec<Refused, 8>,
     ) {
+        if !self.is_commanded(snapshot) {
+            return;
+        }
         let switches = self.switches;
         let arm = match switches.arm {
             Some(true) => Some(Command::Arm),
@@ -41,6 +45,12 @@ impl Outer {
                 let _ = refusals.push(Refused::Command(command, why));
             }
         }
+    }
+
+    /// Whether there is a command, or a switch was thrown.
+    pub(super) fn is_commanded(&self, snapshot: &Snapshot) -> bool {
+        let Events { arm, mode, .. } = self.switches;
+        arm.is_some() || mode.is_some() || !snapshot.inputs.command.is_empty()
     }
 
     fn command<S: MissionSource + ?Sized>(
@@ -207,7 +217,7 @@ impl Outer {
         let (north, east) = (ground.x - self.home.x, ground.y - self.home.y);
         let (value, max) = (sqrt(north * north + east * east), p.mission.distance_max);
         // A place too far for numbers is too far.
-        if !(value <= max) {
+        if !(..=max).contains(&value) {
             let reason = Reason::Distance { value, max };
             return Err(Why::Place(Refusal {
                 field: "position",

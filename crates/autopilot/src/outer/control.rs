@@ -6,12 +6,12 @@ use windhover_math::{Quaternion, Vector3};
 
 use super::Outer;
 use crate::inner::Snapshot;
-use crate::mode::{Demand, Step};
+use crate::mode::Demand;
 
 impl Outer {
     /// Attitude and thrust that do what is demanded.
-    pub(super) fn control(&mut self, step: &Step, snapshot: &Snapshot, dt: u32) -> AttitudeSetpoint {
-        match &step.demand {
+    pub(super) fn control(&mut self, snapshot: &Snapshot, dt: u32) -> AttitudeSetpoint {
+        match &self.modes.last().demand {
             Demand::Rest => {
                 self.position.reset();
                 self.level(0.0)

@@ -23,7 +23,7 @@ use crate::fence::FenceAction;
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::landing::LandDetector;
 use crate::mission::{MissionEvent, MissionEvents, MissionSource};
-use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, Step, available};
+use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, available};
 use crate::parameters::Parameters;
 use crate::queue::ParameterWrite;
 use crate::rc::{Events, Remote};
@@ -194,19 +194,26 @@ impl Outer {
         self.observe(&before, snapshot);
         self.listen(snapshot, dt);
         self.decide(snapshot, source, dt, result);
-        let step = self.fly(source, dt, &mut result.report.events);
+        self.fly(source, dt, &mut result.report.events);
+        let step = self.modes.last();
         self.next = step.next;
-        self.count_idling(&step.demand);
-        let mut wanted = self.control(&step, snapshot, dt);
-        wanted.thrust *= step.thrust_share;
+        let (contact, share) = (step.contact, step.thrust_share);
+        let rests = step.demand == Demand::Rest;
+        self.count_idling(rests);
+        result.motors = self.motors(rests);
+        let mut wanted = self.control(snapshot, dt);
+        wanted.thrust *= share;
         // A vehicle that the ground holds needs little thrust. The legs hold it where it is: a tilt
         // demanded now would only topple it.
-        self.contact = step.contact && wanted.thrust < LIGHT * self.weight();
-        result.setpoint = if self.contact { self.level(wanted.thrust) } else { wanted };
+        self.contact = contact && wanted.thrust < LIGHT * self.weight();
+        result.setpoint = if self.contact {
+            self.level(wanted.thrust)
+        } else {
+            wanted
+        };
         self.wanted = self.wanted(&result.setpoint);
-        result.motors = self.motors(&step.demand);
         result.tick = snapshot.tick;
-        self.tell(&step, snapshot, result);
+        self.tell(snapshot, result);
     }
 
     /// Time since the last snapshot, µs.
@@ -308,15 +315,21 @@ impl Outer {
         };
         let available = available(&self.conditions());
         let lost = armed && !available.contains(self.supervisor.mode());
-        let rising = self.look(snapshot, lost);
+        let looked = self.look(snapshot, lost);
+        let stopped = snapshot.stopped.is_some() || self.switches.kill;
+        let flies = phase == Phase::Flying && !self.landing.is_landed();
+        if flies && looked.is_none() && !stopped && self.next.is_none() && !self.is_commanded(snapshot) {
+            // Nothing has changed since the supervisor's last step.
+            return;
+        }
         let mut facts = Facts {
-            stopped: snapshot.stopped.is_some() || self.switches.kill,
+            stopped,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
             available,
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
-            rising,
+            rising: looked.unwrap_or_default(),
         };
         let report = &mut result.report;
         self.ordered = false;
@@ -333,8 +346,7 @@ impl Outer {
     }
 
     /// A vehicle that begins to lift has its time to do so before it is disarmed for standing there.
-    fn count_idling(&mut self, demand: &Demand) {
-        let idles = *demand == Demand::Rest;
+    fn count_idling(&mut self, idles: bool) {
         if self.idles && !idles {
             let armed = self.supervisor.phase() == Phase::Armed;
             let spool_up = if armed {
@@ -368,12 +380,12 @@ impl Outer {
     /// Looks at what is watched, when it is time; the rows that have become active. A mode that has
     /// `lost` what it relies on does not wait: it falls back in this step, and a row that watches it
     /// would not see it any more.
-    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> RowSet {
+    fn look(&mut self, snapshot: &Snapshot, lost: bool) -> Option<RowSet> {
         let due = self
             .watch
             .step(snapshot, &self.wanted, self.estimation.is_on_sensors());
         if !due && !lost {
-            return RowSet::default();
+            return None;
         }
         if due {
             self.looks = if self.looks >= SLOW - 1 { 0 } else { self.looks + 1 };
@@ -403,7 +415,7 @@ impl Outer {
             setpoint_fresh: self.fresh_setpoint().is_some(),
             breach: self.breach,
         };
-        self.watch.look(&seen)
+        Some(self.watch.look(&seen))
     }
 
     /// What changes slowly: the fence, and whether the battery lasts to return.
@@ -446,11 +458,11 @@ impl Outer {
     }
 
     /// Lets the mode make its step.
-    fn fly<S: MissionSource + ?Sized>(&mut self, source: &S, dt: u32, events: &mut MissionEvents) -> Step {
+    fn fly<S: MissionSource + ?Sized>(&mut self, source: &S, dt: u32, events: &mut MissionEvents) {
         let phase = self.supervisor.phase();
         let spools = phase == Phase::Armed && self.on_ground < self.parameters.safety.spool_up;
         if phase == Phase::Disarmed || spools {
-            return Step::rest();
+            return self.modes.pause();
         }
         let around = Around {
             parameters: &self.parameters,
@@ -469,14 +481,14 @@ impl Outer {
             dt,
             seconds: dt as f32 * 1e-6,
         };
-        self.modes.step(self.supervisor.mode(), &around, events)
+        self.modes.step(self.supervisor.mode(), &around, events);
     }
 
-    fn motors(&self, demand: &Demand) -> MotorState {
+    fn motors(&self, rests: bool) -> MotorState {
         match self.supervisor.phase() {
             Phase::Disarmed => MotorState::Disarmed,
             Phase::Flying => MotorState::Run,
-            Phase::Armed | Phase::Landed if *demand == Demand::Rest => MotorState::Idle,
+            Phase::Armed | Phase::Landed if rests => MotorState::Idle,
             Phase::Armed | Phase::Landed => MotorState::Run,
         }
     }
@@ -507,7 +519,8 @@ impl Outer {
     }
 
     /// Writes what follows from the state after the step.
-    fn tell(&mut self, step: &Step, snapshot: &Snapshot, result: &mut OuterResult) {
+    fn tell(&mut self, snapshot: &Snapshot, result: &mut OuterResult) {
+        let step = self.modes.last();
         let estimate = self.estimation.estimate();
         result.attitude = estimate.attitude;
         result.gyro_bias = estimate.gyro_bias;

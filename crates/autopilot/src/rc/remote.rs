@@ -84,6 +84,9 @@ impl Remote {
         dt_us: u32,
     ) -> Events {
         let mut events = Events::default();
+        if frames.is_empty() && joystick.is_empty() && !self.was_seen() {
+            return events;
+        }
         self.pass(dt_us, (rc.loss_time * 1e6) as u32);
         for frame in frames {
             let reading = Reading {
@@ -137,9 +140,11 @@ impl Remote {
 
     /// Who holds the sticks.
     fn source(&self) -> Option<&Source> {
-        [&self.receiver, &self.joystick]
-            .into_iter()
-            .find(|source| source.fresh)
+        if self.receiver.fresh {
+            Some(&self.receiver)
+        } else {
+            Some(&self.joystick).filter(|source| source.fresh)
+        }
     }
 
     fn reject(&mut self) {

@@ -246,6 +246,12 @@ impl RowSet {
         Self(self.0 & !other.0)
     }
 
+    /// What is in one of them and not in the other.
+    #[must_use]
+    pub const fn xor(self, other: Self) -> Self {
+        Self(self.0 ^ other.0)
+    }
+
     /// Whether nothing is in it.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
@@ -253,7 +259,12 @@ impl RowSet {
 
     /// Its rows, in the order of the table.
     pub fn iter(self) -> impl Iterator<Item = Row> {
-        Row::ALL.iter().copied().filter(move |row| self.contains(*row))
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let row = Row::ALL.get(left.trailing_zeros() as usize).copied()?;
+            left &= left - 1;
+            Some(row)
+        })
     }
 }
 

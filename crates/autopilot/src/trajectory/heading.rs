@@ -17,6 +17,7 @@ pub struct HeadingSlew {
 impl HeadingSlew {
     /// Goes on by `dt` seconds towards `target` (rad), the shorter way round, with at most
     /// `rate_max` (rad/s) and `acceleration_max` (rad/s²).
+    #[inline]
     pub fn step(&mut self, target: f32, rate_max: f32, acceleration_max: f32, dt: f32) {
         let wanted = saturate(wrap_pi(target - self.heading) * APPROACH, rate_max);
         self.rate += saturate(wanted - self.rate, acceleration_max * dt);

@@ -103,13 +103,17 @@ struct Leg {
 }
 
 impl Leg {
-    /// Adds the leg's motion, `clock` µs after its start and at `rate` of the planned speed.
-    fn add_to(&self, setpoint: &mut TrajectorySetpoint, clock: u32, rate: f32) {
+    /// Where the leg is from `start`, `clock` µs after it began and at `rate` of the planned speed.
+    fn at(&self, start: Vector3, clock: u32, rate: f32) -> TrajectorySetpoint {
         let motion = self.profile.at(clock as f32 * 1e-6);
-        setpoint.position += self.direction * motion.distance;
-        setpoint.velocity += self.direction * (motion.speed * rate);
-        setpoint.acceleration += self.direction * (motion.acceleration * rate * rate);
-        setpoint.jerk += self.direction * (motion.jerk * rate * rate * rate);
+        TrajectorySetpoint {
+            position: start + self.direction * motion.distance,
+            velocity: self.direction * (motion.speed * rate),
+            acceleration: self.direction * (motion.acceleration * rate * rate),
+            jerk: self.direction * (motion.jerk * rate * rate * rate),
+            heading: 0.0,
+            heading_rate: 0.0,
+        }
     }
 
     /// When the next leg begins on this leg's clock, µs.
@@ -213,17 +217,25 @@ impl Path {
     }
 
     /// Goes on by `dt` µs at `rate` (0 to 1) of the planned speed.
+    #[inline(always)]
     pub fn step(&mut self, dt: u32, rate: f32) -> PathStep {
         let dt = if rate < 1.0 { (dt as f32 * rate) as u32 } else { dt };
         let leg_finished = self.advance(dt);
-        let mut setpoint = TrajectorySetpoint::at_rest(self.start, 0.0);
-        if let Some(first) = &self.first {
-            first.add_to(&mut setpoint, first.clock, rate);
-            if let Some(second) = &self.second
-                && let Some(begun) = first.clock.checked_sub(first.next_begins())
-            {
-                second.add_to(&mut setpoint, begun, rate);
-            }
+        let Some(first) = &self.first else {
+            return PathStep {
+                setpoint: TrajectorySetpoint::at_rest(self.start, 0.0),
+                leg_finished,
+            };
+        };
+        let mut setpoint = first.at(self.start, first.clock, rate);
+        if let Some(second) = &self.second
+            && let Some(begun) = first.clock.checked_sub(first.next_begins())
+        {
+            let more = second.at(setpoint.position, begun, rate);
+            setpoint.position = more.position;
+            setpoint.velocity += more.velocity;
+            setpoint.acceleration += more.acceleration;
+            setpoint.jerk += more.jerk;
         }
         PathStep {
             setpoint,
