@@ -183,7 +183,7 @@ fn cases() -> Vec<Case> {
         ),
         case(
             Row::ImuUnreliable,
-            faulty(&["accel-freeze@40"]),
+            faulty(&["accel-freeze@40,8"]),
             2.5,
             Some(Mode::Land),
             Somewhere,
@@ -396,27 +396,7 @@ fn every_row_of_the_table_in_flight() {
     let stories: Vec<(String, Result<String, String>, Story)> = cases
         .into_par_iter()
         .map(|case| {
-            if std::env::var("ROW").is_ok_and(|row| row != case.row.watched().name) {
-                return (String::new(), Ok(String::new()), Story::default());
-            }
-            let mut next = 0.0;
-            let story = fly(&case.setup, &case.mission, |flown, time| {
-                (case.meddle)(flown, time);
-                if std::env::var("ROW").is_ok() && time > next {
-                    next = time + 1.0;
-                    let t = flown.world.truth();
-                    let e = flown.outer().estimation().estimate();
-                    println!(
-                        "{time:.1} truth {:.2?} v {:.2?} est {:.2?} v {:.2?} tilt {:.1} est {:.1} landed",
-                        t.position.as_slice(),
-                        t.velocity.as_slice(),
-                        e.position.as_slice(),
-                        e.velocity.as_slice(),
-                        libm::acos(t.attitude.cos_tilt()).to_degrees(),
-                        e.attitude.cos_tilt().acos().to_degrees()
-                    );
-                }
-            });
+            let story = fly(&case.setup, &case.mission, case.meddle);
             let name = case.row.watched().name.to_owned();
             (name, judge(&case, &story), story)
         })

@@ -10,8 +10,10 @@ use windhover_math::{GRAVITY, Vector3, scalar};
 use crate::estimation::Estimate;
 use crate::inner::Snapshot;
 
-/// Thrust on the ground is below this share of the weight.
+/// Thrust on the ground is below this share of what the vehicle hovers with.
 const THRUST: f32 = 0.4;
+/// Time constant with which that is learnt in flight, s: nobody may have told the true mass.
+const LEARNING: f32 = 3.0;
 /// How far the specific force may be from gravity's, m/s².
 const FORCE: f32 = 1.5;
 /// Vertical and horizontal speed of a vehicle that stands, m/s.
@@ -20,10 +22,10 @@ const SPEED: (f32, f32) = (0.3, 1.0);
 const RATE: f32 = 0.5;
 /// How long all that lasts, s: a fall over this time is faster than [`SPEED`].
 const LANDED_AFTER: f32 = 0.6;
+/// Where the accelerometer shows nothing it takes longer: no controller lets the vehicle fall so long.
+const BLIND_AFTER: f32 = 1.0;
 /// Time constant of the means, s.
 const SMOOTHING: f32 = 0.1;
-/// And of the velocity while the accelerometer shows nothing, s.
-const BLIND_SMOOTHING: f32 = 0.5;
 
 /// Above the place of arming by so much, the vehicle flies, m.
 const AIRBORNE_HEIGHT: f32 = 0.3;
@@ -38,12 +40,13 @@ pub struct LandDetector {
     ground: f32,
     /// For how long it seems to stand, or to lift, s.
     since: f32,
-    /// Means of the thrust over the weight, and of the specific force, FRD, m/s².
+    /// The thrust that the vehicle hovers with, N.
+    hover: f32,
+    /// Means of the thrust, N, and of the specific force, FRD, m/s².
     thrust: f32,
     force: Vector3,
-    /// Mean of the velocity downwards while the accelerometer shows nothing: thrust alone tells of a
-    /// fall there, and the receiver takes it back, again and again. m/s.
-    sinking: f32,
+    /// The accelerometer shows nothing.
+    blind: bool,
 }
 
 impl Default for LandDetector {
@@ -52,9 +55,10 @@ impl Default for LandDetector {
             landed: true,
             ground: 0.0,
             since: 0.0,
+            hover: 0.0,
             thrust: 0.0,
             force: Vector3::new(0.0, 0.0, -GRAVITY),
-            sinking: 0.0,
+            blind: false,
         }
     }
 }
@@ -72,6 +76,12 @@ impl LandDetector {
         scalar::norm(self.force)
     }
 
+    /// Whether the accelerometer showed nothing at the last step.
+    #[inline]
+    pub fn is_blind(&self) -> bool {
+        self.blind
+    }
+
     /// The vehicle stands here, `down` m below the origin.
     pub fn stand(&mut self, down: f32) {
         *self = Self {
@@ -80,7 +90,13 @@ impl LandDetector {
         };
     }
 
-    /// One step of a vehicle whose motors turn. `weight` in N, as the thrust feels it.
+    /// The thrust that the vehicle hovers with, N, as far as it has been learnt.
+    #[inline]
+    pub fn hover(&self) -> f32 {
+        self.hover
+    }
+
+    /// One step of a vehicle whose motors turn. `weight` in N, as the parameters have it.
     pub fn step(&mut self, snapshot: &Snapshot, estimate: &Estimate, weight: f32) {
         let increments = &snapshot.increments;
         let dt = increments.duration;
@@ -89,22 +105,22 @@ impl LandDetector {
         }
         let share = dt / (dt + SMOOTHING);
         let per_second = 1.0 / dt;
-        self.thrust += (increments.thrust * per_second / weight - self.thrust) * share;
+        self.thrust += (increments.thrust * per_second - self.thrust) * share;
+        if self.landed || self.hover <= 0.0 {
+            self.hover = weight;
+        } else if self.thrust > THRUST * self.hover {
+            self.hover += (self.thrust - self.hover) * (dt / (dt + LEARNING));
+        }
         self.force += (increments.velocity * per_second - self.force) * share;
-        let follows = if increments.blind > 0 {
-            BLIND_SMOOTHING
-        } else {
-            0.0
-        };
-        self.sinking += (estimate.velocity.z - self.sinking) * (dt / (dt + follows));
+        self.blind = increments.blind > 0;
         let changes = if self.landed {
             self.lifts(estimate)
         } else {
-            self.thrust < THRUST && self.stands(snapshot, estimate, per_second)
+            self.thrust < THRUST * self.hover && self.stands(snapshot, estimate, per_second)
         };
         self.since = if changes { self.since + dt } else { 0.0 };
         let enough = if !self.landed {
-            LANDED_AFTER
+            if self.blind { BLIND_AFTER } else { LANDED_AFTER }
         } else if estimate.known.height {
             0.0
         } else {
@@ -122,20 +138,23 @@ impl LandDetector {
         if estimate.known.height {
             estimate.position.z < self.ground - AIRBORNE_HEIGHT
         } else {
-            self.thrust > 1.0
+            self.thrust > self.hover
         }
     }
 
     fn stands(&self, snapshot: &Snapshot, estimate: &Estimate, per_second: f32) -> bool {
         let velocity = &estimate.velocity;
-        let still_upright = !estimate.known.height || self.sinking.abs() < SPEED.0;
+        // An accelerometer that shows nothing says nothing of the ground either, and the velocity is
+        // that of a fall that the receiver takes back ten times a second: the thrust has to do.
+        if self.blind && estimate.known.height {
+            return true;
+        }
+        let still_upright = !estimate.known.height || velocity.z.abs() < SPEED.0;
         let still_flat =
             !estimate.known.position || velocity.x * velocity.x + velocity.y * velocity.y < SPEED.1 * SPEED.1;
         let turn = snapshot.increments.rotation.shortest();
         let rate = 2.0 * per_second * scalar::norm(Vector3::new(turn.x, turn.y, turn.z));
-        // An accelerometer that shows nothing says nothing of the ground either.
-        let blind = snapshot.increments.blind > 0 && estimate.known.height;
-        let held = blind || (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
+        let held = (scalar::norm(self.force) - GRAVITY).abs() < FORCE;
         held && still_upright && still_flat && rate < RATE
     }
 }
@@ -167,7 +186,8 @@ mod tests {
             let mut body = Self::standing();
             body.height = height;
             body.detector.landed = false;
-            body.detector.thrust = 1.0;
+            body.detector.thrust = WEIGHT;
+            body.detector.hover = WEIGHT;
             body
         }
 

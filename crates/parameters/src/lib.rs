@@ -40,7 +40,7 @@ pub struct Declaration {
     pub max: f32,
     /// Value when nobody has set one.
     pub default: f32,
-    /// One sentence for a human.
+    /// One sentence for a human; empty on a microcontroller.
     pub text: &'static str,
 }
 
@@ -107,6 +107,26 @@ pub struct Section {
     pub declarations: &'static [Declaration],
 }
 
+/// A sentence for people: the microcontroller has none to tell it to, and keeps the flash.
+#[cfg(not(target_os = "none"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! for_people {
+    ($text:literal) => {
+        $text
+    };
+}
+
+/// A sentence for people: the microcontroller has none to tell it to, and keeps the flash.
+#[cfg(target_os = "none")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! for_people {
+    ($text:literal) => {
+        ""
+    };
+}
+
 /// Declares a struct of parameters: `field: "NAME", "unit", min..=max, default, "sentence";`
 #[macro_export]
 macro_rules! parameters {
@@ -140,7 +160,7 @@ macro_rules! parameters {
                     min: $min,
                     max: $max,
                     default: $default,
-                    text: $text,
+                    text: $crate::for_people!($text),
                 },)*
             ];
 

@@ -11,10 +11,10 @@ pub(super) const CONTACT_DEPTH: f32 = 0.1;
 /// Slower than this it stands still, m/s.
 const STILL: f32 = 0.1;
 
-/// With the path so far below, m, a vehicle in the air would come down faster than this, m/s: also
-/// where its velocity is known badly.
+/// The same where the accelerometer shows nothing and velocities are known badly: with the path so far
+/// below, m, a vehicle in the air would come down faster than this, m/s.
 const SURE_DEPTH: f32 = 1.0;
-const SINKING: f32 = 0.5;
+const SINKING: f32 = 1.2;
 
 /// The mode's memory.
 #[derive(Clone, Debug)]
@@ -67,5 +67,8 @@ fn speed<S: ?Sized>(around: &Around<'_, S>) -> f32 {
 pub(super) fn has_contact<S: ?Sized>(down: f32, around: &Around<'_, S>) -> bool {
     let below = down + around.handover.position.z - around.estimate.position.z;
     let sinking = around.estimate.velocity.z.abs();
-    (below > CONTACT_DEPTH && sinking < STILL) || (below > SURE_DEPTH && sinking < SINKING)
+    if around.blind {
+        return below > SURE_DEPTH && sinking < SINKING;
+    }
+    below > CONTACT_DEPTH && sinking < STILL
 }

@@ -126,6 +126,8 @@ pub struct Around<'a, S: ?Sized> {
     pub landed: bool,
     /// Size of the specific force, in the mean of a tenth of a second, m/s².
     pub force: f32,
+    /// The accelerometer shows nothing: forces are reckoned from the thrust.
+    pub blind: bool,
     /// A pilot's sticks, while they are heard.
     pub sticks: Option<Sticks>,
     /// Setpoints from outside.

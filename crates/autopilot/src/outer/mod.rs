@@ -205,7 +205,7 @@ impl Outer {
         wanted.thrust *= share;
         // A vehicle that the ground holds needs little thrust. The legs hold it where it is: a tilt
         // demanded now would only topple it.
-        self.contact = contact && wanted.thrust < LIGHT * self.weight();
+        self.contact = contact && wanted.thrust < LIGHT * self.landing.hover();
         result.setpoint = if self.contact {
             self.level(wanted.thrust)
         } else {
@@ -448,7 +448,7 @@ impl Outer {
         Wanted {
             cos_tilt: setpoint.attitude.cos_tilt(),
             all_thrust: setpoint.thrust >= 0.999 * most,
-            light: setpoint.thrust < 0.5 * p.vehicle.mass * GRAVITY,
+            light: setpoint.thrust < 0.5 * self.landing.hover(),
         }
     }
 
@@ -476,6 +476,7 @@ impl Outer {
             stored: self.plans.mission,
             landed: self.landing.is_landed(),
             force: self.landing.force(),
+            blind: self.landing.is_blind(),
             sticks: self.remote.sticks(),
             setpoints: &self.setpoints,
             dt,
@@ -497,12 +498,13 @@ impl Outer {
     /// this one.
     fn observe(&mut self, before: &Estimate, snapshot: &Snapshot) {
         let increments = &snapshot.increments;
-        let grounded = self.landing.is_landed() || self.contact;
+        let blind = increments.blind > 0;
+        let grounded = self.landing.is_landed() || (self.contact && !blind);
         if grounded || !before.known.attitude || increments.duration <= 0.0 {
             self.observer.reset();
             return;
         }
-        if increments.blind > 0 {
+        if blind {
             // Nothing is measured of the forces: the wind goes on as it did.
             return;
         }
