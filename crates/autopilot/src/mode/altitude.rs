@@ -1,6 +1,7 @@
 //! Altitude: sticks to tilt, yaw rate and climb. Hands off, it stays level at its height and heading:
 //! what a vehicle does that has lost its position.
 
+use super::land::has_contact;
 use super::tilt::Tilt;
 use super::{Around, Demand, Motion, Step};
 use crate::rc::Sticks;
@@ -41,11 +42,15 @@ impl AltitudeHold {
         self.glide.position.x = around.estimate.position.x;
         self.glide.position.y = around.estimate.position.y;
         let (attitude, heading_rate) = self.tilt.step(around, &sticks);
-        Step::of(Demand::Tilt {
-            attitude,
-            heading_rate,
-            point: self.glide.setpoint(jerk, rate, (0.0, 0.0)),
-        })
+        let point = self.glide.setpoint(jerk, rate, (0.0, 0.0));
+        Step {
+            contact: climb > 0.0 && has_contact(point.position.z, around),
+            ..Step::of(Demand::Tilt {
+                attitude,
+                heading_rate,
+                point,
+            })
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use windhover_math::{Vector3, max, min, scalar, sin_cos, sqrt, wrap_pi};
 
 use super::altitude::climb;
+use super::land::has_contact;
 use super::{Around, Demand, Motion, Step};
 use crate::trajectory::{Glide, GlideLimits, HeadingSlew};
 
@@ -52,6 +53,9 @@ impl PositionHold {
         let rate = around.parameters.mission.rate(behind);
         let jerk = self.glide.step(wanted, &GlideLimits::of(p), rate, around.seconds);
         let heading = (self.heading.heading, self.heading.rate);
-        Step::of(Demand::Follow(self.glide.setpoint(jerk, rate, heading)))
+        Step {
+            contact: down > 0.0 && has_contact(self.glide.position.z, around),
+            ..Step::of(Demand::Follow(self.glide.setpoint(jerk, rate, heading)))
+        }
     }
 }

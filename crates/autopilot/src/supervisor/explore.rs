@@ -335,3 +335,27 @@ fn every_state_under_every_pair_of_events() {
     );
     assert!(count.states > 300);
 }
+
+/// The same with every action that a parameter chooses at its most and at its least: whatever a user
+/// sets, the rules hold.
+#[test]
+fn with_the_actions_at_their_most() {
+    let mut parameters = Parameters::default();
+    parameters.safety.rc_lost_action = 6.0;
+    parameters.safety.station_lost_action = 3.0;
+    parameters.safety.offboard_lost_action = 2.0;
+    parameters.safety.low_battery_action = 2.0;
+    parameters.fence.action = 4.0;
+    explore(&Actions::new(&parameters));
+}
+
+/// See above.
+#[test]
+fn with_the_actions_at_their_least() {
+    let mut parameters = Parameters::default();
+    parameters.safety.rc_lost_action = 0.0;
+    parameters.safety.offboard_lost_action = 0.0;
+    parameters.safety.low_battery_action = 0.0;
+    parameters.fence.action = 0.0;
+    explore(&Actions::new(&parameters));
+}

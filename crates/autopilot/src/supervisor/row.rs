@@ -101,7 +101,7 @@ rows! {
     }
     /// The battery is empty.
     BatteryEmergency {
-        name: "battery_emergency", text: "battery empty, landing",
+        name: "battery_emergency", text: "battery empty",
         after: |_| 1.0, clears: 5.0, on_ground: true,
         action: |p| if p.safety.low_battery_action >= 1.5 { Action::Land } else { Action::Warn },
         yields_to: Override::Pilot, resumes: false,
@@ -120,14 +120,14 @@ rows! {
     }
     /// What the battery has left does not bring the vehicle home.
     RangeShort {
-        name: "range_short", text: "battery just lasts to return, returning",
+        name: "range_short", text: "battery just lasts to return",
         after: |_| 2.0, clears: 30.0, on_ground: false,
         action: |p| if p.safety.low_battery_action >= 1.5 { Action::Return } else { Action::Warn },
         yields_to: Override::Operator, resumes: false,
     }
     /// The battery is nearly empty.
     BatteryCritical {
-        name: "battery_critical", text: "battery critical, returning",
+        name: "battery_critical", text: "battery critical",
         after: |_| 1.0, clears: 5.0, on_ground: false,
         action: |p| match p.safety.low_battery_action as u8 {
             0 | 1 => Action::Warn,

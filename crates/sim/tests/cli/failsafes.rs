@@ -85,7 +85,7 @@ fn a_battery_that_runs_low_is_told_and_acted_on() {
     assert_eq!(code, Some(1));
     assert_tells(
         &text,
-        &["failsafe battery_critical: battery critical, returning; mode return"],
+        &["failsafe battery_critical: battery critical; mode return"],
     );
     // Too little to take off with.
     let (code, text) = fly("battery-empty", &["--battery", "10"]);
