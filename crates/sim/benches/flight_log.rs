@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use windhover_autopilot::{Command, Mode};
 use windhover_flight_log::reader::Log;
 use windhover_model::Vehicle;
 use windhover_sim::closed_loop::{ClosedLoop, Recorder};
@@ -44,9 +45,16 @@ fn main() {
 /// Million steps per second over a mission's first minutes.
 fn run<R: Recorder>(mut flown: ClosedLoop, recorder: &mut R) -> f64 {
     let start = Instant::now();
-    for _ in 0..STEPS {
+    for step in 0..STEPS {
+        // The plans are taken in before the mission is chosen.
+        if step == 8 {
+            for command in [Command::Fly(Mode::Mission), Command::Arm] {
+                flown.mailboxes.queues.command.push(command);
+            }
+        }
         flown.tick(recorder);
     }
     assert!(flown.world.crash().is_none());
+    assert!(-flown.world.truth().position.z > 20.0, "it flies");
     f64::from(STEPS) / start.elapsed().as_secs_f64() / 1e6
 }

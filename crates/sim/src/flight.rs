@@ -307,6 +307,23 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
     Ok(flown)
 }
 
+/// A vehicle that is told the truth, armed and about to fly its mission from the ground: for whoever
+/// wants to fly without an operator.
+pub fn under_way(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
+    let mut flown = ready(setup, mission)?;
+    let period = setup.inner_config().k();
+    // The plans are taken in before the mission is chosen.
+    for commands in [&[][..], &[Command::Fly(Mode::Mission), Command::Arm][..]] {
+        for command in commands {
+            flown.mailboxes.queues.command.push(*command);
+        }
+        for _ in 0..2 * period {
+            flown.tick(&mut ());
+        }
+    }
+    Ok(flown)
+}
+
 /// Whether the mission was flown to its end, and how it ended.
 fn end(world: &World, watch: &Watch, time: f64) -> Option<(bool, String)> {
     let falls = watch.disarmed.filter(|disarmed| disarmed.in_flight);
