@@ -253,7 +253,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             meddle: |flown, time| {
-                if time < AT && (time * 1000.0) as u64 % 1000 == 0 {
+                if time < AT && ((time * 1000.0) as u64).is_multiple_of(1000) {
                     flown.mailboxes.queues.station.push(Station { system: 255 });
                 }
             },
@@ -267,7 +267,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             meddle: |flown, time| {
-                if (AT - 5.0..AT).contains(&time) && (time * 1000.0) as u64 % 100 == 0 {
+                if (AT - 5.0..AT).contains(&time) && ((time * 1000.0) as u64).is_multiple_of(100) {
                     let guidance = Guidance {
                         uses: Guidance::VELOCITY | Guidance::CLIMB,
                         velocity: Vector3::new(0.0, 2.0, 0.0),
@@ -315,7 +315,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             meddle: |flown, time| {
-                if (AT..AT + 20.0).contains(&time) && (time * 1000.0) as u64 % 100 == 0 {
+                if (AT..AT + 20.0).contains(&time) && ((time * 1000.0) as u64).is_multiple_of(100) {
                     let guidance = Guidance {
                         uses: Guidance::VELOCITY | Guidance::CLIMB,
                         velocity: Vector3::new(10.0, 0.0, 0.0),

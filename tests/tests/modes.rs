@@ -97,7 +97,7 @@ fn at_full_speed_the_fence_is_kept() {
         let setup = with_parameter(on_sensors(), "MPC_VEL_MANUAL", f64::from(speed));
         let (mut furthest, mut fastest) = (0.0, 0.0);
         let story = fly(&setup, &mission, |flown, time| {
-            if (30.0..75.0).contains(&time) && (time * 1000.0) as u64 % 50 == 0 {
+            if (30.0..75.0).contains(&time) && ((time * 1000.0) as u64).is_multiple_of(50) {
                 flown.mailboxes.queues.guidance.push(Guidance {
                     uses: Guidance::VELOCITY | Guidance::CLIMB,
                     velocity: Vector3::new(speed, 0.0, 0.0),

@@ -316,6 +316,10 @@ const BEYOND: &[(&str, (f64, f64))] = &[
 /// the true ones is not told from inertial sensors that fail, and one flight in twenty crashes.
 const NOT_SURVIVED: &[&str] = &["gnss-wrong-scale"];
 
+/// Of one flight: the largest errors of tilt and heading in the mission, why it crashed if it did, and
+/// the errors until its end; degrees.
+type Worst = (f64, f64, Option<String>, (f64, f64));
+
 fn limit(name: &str) -> (f64, f64) {
     let beyond = BEYOND.iter().find(|(other, _)| *other == name);
     beyond.map_or(LIMIT, |(_, limit)| *limit)
@@ -338,7 +342,7 @@ fn sensors_that_fail() {
     let names: Vec<String> = SensorFault::all().into_iter().map(|f| f.name).collect();
     let mut failed = vec![];
     for name in names.iter().filter(|name| survivable(name)) {
-        let flown: Vec<(f64, f64, Option<String>, (f64, f64))> = (1..=20u64)
+        let flown: Vec<Worst> = (1..=20u64)
             .into_par_iter()
             .map(|seed| {
                 let since = 6.5 + 7.3 * seed as f64;
