@@ -7,6 +7,7 @@ use windhover_math::Vector3;
 use windhover_model::{ModelKind, mean_wind_from};
 use windhover_sim::closed_loop::ClosedLoop;
 use windhover_sim::flight::Setup;
+use windhover_sim::recording::Recording;
 use windhover_sim::sensors::{RESTING, Receiver, Sensors};
 use windhover_tests::failsafe::fly;
 use windhover_tests::plan::{Plan, UNSET, item_at};
@@ -153,6 +154,7 @@ fn a_flight_by_hand_in_every_manual_mode() {
         setup.conditions.pushes.clear();
         let mut flown =
             windhover_sim::flight::closed_loop(&setup, &windhover_tests::plan::short()).expect("a vehicle");
+        let mut recording = Recording::default();
         let (mut highest, mut furthest, mut seen) = (0.0f64, 0.0f64, false);
         for tick in 0..70_000u64 {
             let time = tick as f64 * 1e-3;
@@ -176,7 +178,7 @@ fn a_flight_by_hand_in_every_manual_mode() {
             // Off, to a position that selects nothing, then to the first; on at 7 s.
             let switch = if time < 5.0 { -0.5 } else { -1.0 };
             hands(&mut flown, [0.0, pitch, throttle, 0.0], time > 7.0, switch);
-            flown.tick(&mut ());
+            flown.tick(&mut recording);
             let truth = flown.world.truth();
             highest = windhover_math::max(highest, -truth.position.z);
             furthest = windhover_math::max(furthest, libm::hypot(truth.position.x, truth.position.y));
@@ -184,6 +186,7 @@ fn a_flight_by_hand_in_every_manual_mode() {
             seen |= supervisor.phase() == Phase::Flying && supervisor.mode() == mode;
         }
         assert_eq!(flown.world.crash(), None, "{mode:?}");
+        windhover_tests::replay(&setup, &windhover_tests::plan::short(), &recording);
         assert!(seen, "{mode:?} did not fly: {:?}", flown.outer().supervisor());
         assert!(
             highest > 3.0 && furthest > 1.0,
