@@ -48,15 +48,12 @@ const fn constant(name: &'static str, value: f32) -> Declaration {
 }
 
 /// What QGroundControl asks for and has no meaning here (its sources: the `*Component.cc` and
-/// `*Summary.qml` in `src/AutoPilotPlugins/PX4`). An identity of a calibration that is not 0 says
-/// that the part is calibrated: whether it really is, stands in the blockers of arming.
+/// `*Summary.qml` in `src/AutoPilotPlugins/PX4`). The identities of the parts that are calibrated
+/// (`CAL_GYRO0_ID` and its like) are the core's: there they say the truth.
 pub const QGROUNDCONTROL: &[Declaration] = &[
     constant("SYS_AUTOSTART", 4001.0), // generic quadcopter, X
     constant("SYS_AUTOCONFIG", 0.0),
     constant("SYS_HAS_MAG", 1.0),
-    constant("CAL_GYRO0_ID", 1.0),
-    constant("CAL_ACC0_ID", 1.0),
-    constant("CAL_MAG0_ID", 1.0),
     constant("CAL_MAG1_ID", 0.0),
     constant("CAL_MAG2_ID", 0.0),
     constant("SENS_BOARD_ROT", 0.0),
