@@ -7,7 +7,7 @@
 //! - [`flight_log`]: what a flight leaves behind; [`replay`]: the core again on a log's inputs,
 //!   equal bit for bit.
 //! - [`flight_report`]: a log as a [`report`], a page to look at.
-//! - [`reference`]: the tables of parameters and failsafes, as text and as pages of `docs`.
+//! - [`mod@reference`]: the tables of parameters and failsafes, as text and as pages of `docs`.
 //! - [`terminal`]: what programs share that fly at somebody's terminal.
 
 pub mod beliefs;
