@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::outer::OuterReport;
+use crate::set::bit_set;
 
 /// Declares the blockers: variant, what it means, sentence.
 macro_rules! blockers {
@@ -74,45 +75,9 @@ blockers! {
     StorageDamaged = "stored settings damaged, defaults loaded: check and save parameters";
 }
 
-/// A set of blockers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Blockers(pub u32);
-
-impl Blockers {
-    /// Only this one.
-    pub const fn of(blocker: Blocker) -> Self {
-        Self(1 << blocker as u32)
-    }
-
-    /// Whether it is in it.
-    pub const fn contains(self, blocker: Blocker) -> bool {
-        self.0 >> (blocker as u32) & 1 == 1
-    }
-
-    /// With the blocker, if `is` says so.
-    #[must_use]
-    pub const fn with(self, blocker: Blocker, is: bool) -> Self {
-        Self(self.0 | (is as u32) << blocker as u32)
-    }
-
-    /// What is in either.
-    #[must_use]
-    pub const fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// Whether nothing is in it.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// Its blockers, in their order.
-    pub fn iter(self) -> impl Iterator<Item = Blocker> {
-        Blocker::ALL
-            .iter()
-            .copied()
-            .filter(move |blocker| self.contains(*blocker))
-    }
+bit_set! {
+    /// A set of blockers.
+    Blockers(u32) of Blocker
 }
 
 /// A blocker as a sentence, with figures where they help.

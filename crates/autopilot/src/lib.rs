@@ -28,6 +28,7 @@ pub mod queue;
 pub mod rc;
 pub mod schedule;
 pub mod sensing;
+mod set;
 pub mod supervisor;
 pub mod trajectory;
 pub mod watch;

@@ -9,7 +9,7 @@ use crate::battery::Charge;
 use crate::estimation::Estimate;
 use crate::inner::{Snapshot, Stop};
 use crate::io::Increments;
-use crate::mode::Mode;
+use crate::mode::{Mode, Need, Needs};
 use crate::parameters::Parameters;
 use crate::schedule::OUTER_RATE;
 use crate::supervisor::row::ROWS;
@@ -51,7 +51,7 @@ pub struct Seen<'a> {
     pub barometer_lost: bool,
     /// The mode that flies, or that a failsafe has interrupted.
     pub mode: Mode,
-    /// Whether that mode needs a height, and a position.
+    /// What that mode relies on.
     pub needs: Needs,
     /// Height above the place of arming, m.
     pub height: f32,
@@ -86,30 +86,6 @@ impl Default for Wanted {
             cos_tilt: 1.0,
             all_thrust: false,
             light: true,
-        }
-    }
-}
-
-/// What a mode relies on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Needs {
-    /// The height.
-    pub height: bool,
-    /// The position.
-    pub position: bool,
-}
-
-impl Needs {
-    /// What a mode relies on; offboard, what its setpoints need.
-    pub fn of(mode: Mode, setpoint_needs_position: bool) -> Self {
-        let position = match mode {
-            Mode::Stabilize | Mode::Altitude | Mode::Descend => false,
-            Mode::Offboard => setpoint_needs_position,
-            _ => true,
-        };
-        Self {
-            height: position || mode == Mode::Altitude,
-            position,
         }
     }
 }
@@ -178,14 +154,18 @@ impl Symptoms {
         let low = !known.height || seen.height < p.tumble_height;
         let limit = windhover_math::cos(WINDY * seen.parameters.position.tilt_max);
         let older = |age: Option<f32>, most: f32| age.is_some_and(|age| age > most);
+        let (needs_height, needs_position) = (
+            seen.needs.contains(Need::Height),
+            seen.needs.contains(Need::Position),
+        );
         let silent = core::mem::take(&mut self.was_silent);
         RowSet::default()
             .with(Row::TumbleLow, tumbles && low && known.attitude)
             .with(Row::TumbleHigh, tumbles && !low && known.attitude)
             .with(Row::AttitudeUnknown, !known.attitude)
-            .with(Row::HeightUnknown, !known.height && seen.needs.height)
-            .with(Row::PositionLost, !position && seen.needs.position)
-            .with(Row::PositionGone, !position && seen.needs.position)
+            .with(Row::HeightUnknown, !known.height && needs_height)
+            .with(Row::PositionLost, !position && needs_position)
+            .with(Row::PositionGone, !position && needs_position)
             .with(Row::GnssLost, older(seen.position_age, 0.5))
             .with(Row::ImuUnreliable, self.bad_samples > BAD_SAMPLES)
             .with(Row::BatteryEmergency, seen.charge >= Charge::Emergency)
@@ -193,11 +173,11 @@ impl Symptoms {
             .with(Row::BatteryLow, seen.charge >= Charge::Low)
             .with(Row::RangeShort, seen.range_short)
             .with(Row::MotorSaturated, self.saturated > SATURATED)
-            .with(Row::WindTooStrong, self.cos_tilt < limit && seen.needs.position)
+            .with(Row::WindTooStrong, self.cos_tilt < limit && needs_position)
             .with(Row::RcLost, seen.rc_lost)
             .with(Row::StationLost, older(seen.station_age, 1.5))
-            .with(Row::CompassFault, seen.compass_lost && seen.needs.position)
-            .with(Row::BarometerFault, seen.barometer_lost && seen.needs.height)
+            .with(Row::CompassFault, seen.compass_lost && needs_position)
+            .with(Row::BarometerFault, seen.barometer_lost && needs_height)
             .with(Row::Fence, seen.breach)
             .with(
                 Row::OffboardLost,

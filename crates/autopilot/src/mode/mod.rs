@@ -11,6 +11,7 @@ pub mod descend;
 mod hold;
 mod land;
 mod mission;
+mod needs;
 mod offboard;
 pub mod parameters;
 mod position;
@@ -32,9 +33,9 @@ use crate::mission::route::Stored;
 use crate::mission::{MissionEvents, MissionExecutor, MissionSource};
 use crate::parameters::Parameters;
 use crate::rc::Sticks;
-use crate::supervisor::ModeSet;
 use crate::trajectory::{Glide, GlideLimits, HeadingSlew};
 
+pub use needs::{ModeSet, Need, Needs, available};
 pub use offboard::{Guidance, Outside, Setpoints};
 pub use parameters::ManualParameters;
 
@@ -411,10 +412,6 @@ impl Modes {
     /// Keeps for the next mode what the step itself does not say.
     fn remember(&mut self, estimate: &Estimate, handover: &Handover) {
         self.attitude = estimate.attitude;
-        if matches!(self.step.demand, Demand::Rest | Demand::Follow(_)) {
-            self.motion = None;
-            return;
-        }
         self.motion = match &self.step.demand {
             Demand::Rest | Demand::Follow(_) => None,
             Demand::Tilt {
@@ -460,50 +457,6 @@ impl Modes {
             Mode::Descend => Active::Descend(descend::Descend::enter(&motion)),
         }
     }
-}
-
-/// What the entry conditions of modes depend on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Conditions {
-    /// Roll and pitch are known.
-    pub attitude: bool,
-    /// The height is.
-    pub height: bool,
-    /// The position is, and it is measured.
-    pub position: bool,
-    /// A pilot's sticks are heard.
-    pub sticks: bool,
-    /// There is a mission that can be flown.
-    pub mission: bool,
-    /// What comes from outside, while it comes: `true` if it needs a position.
-    pub setpoint: Option<bool>,
-}
-
-/// The modes whose entry conditions hold.
-pub fn available(conditions: &Conditions) -> ModeSet {
-    let Conditions {
-        attitude,
-        height,
-        position,
-        sticks,
-        mission,
-        setpoint,
-    } = *conditions;
-    let position = position && height && attitude;
-    Mode::ALL.into_iter().fold(ModeSet::default(), |set, mode| {
-        let is = match mode {
-            Mode::Stabilize => attitude && sticks,
-            Mode::Altitude => attitude && height,
-            Mode::Position => position && sticks,
-            Mode::Takeoff | Mode::Hold | Mode::Return | Mode::Land => position,
-            Mode::Mission => position && mission,
-            Mode::Offboard => {
-                setpoint.is_some_and(|needs_position| if needs_position { position } else { attitude })
-            }
-            Mode::Descend => true,
-        };
-        set.with(mode, is)
-    })
 }
 
 #[cfg(test)]

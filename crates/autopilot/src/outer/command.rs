@@ -10,11 +10,10 @@ use crate::fence::FenceAction;
 use crate::inner::Snapshot;
 use crate::mission::action::{Altitude, Place, Reason, Refusal};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
-use crate::mode::{Mode, Target};
+use crate::mode::{Mode, Need, Target};
 use crate::queue::Command;
 use crate::rc::Events;
 use crate::supervisor::{Denied, Facts, Order, Phase, Row};
-use crate::watch::Needs;
 
 /// The item of a photo that no mission asked for.
 pub const NO_ITEM: u16 = u16::MAX;
@@ -337,7 +336,8 @@ impl Outer {
         let p = &self.parameters;
         let estimate = self.estimation.estimate();
         let mode = self.supervisor.mode();
-        let needs = self.needs(mode);
+        let needs = mode.needs(self.setpoint_needs_position());
+        let needs_position = needs.contains(Need::Position);
         let on_sensors = self.estimation.is_on_sensors();
         let uncalibrated = |id: f32| on_sensors && id < 0.5;
         let cos_tilt = estimate.attitude.cos_tilt();
@@ -357,15 +357,15 @@ impl Outer {
             )
             .with(
                 Blocker::CompassUncalibrated,
-                needs.position && uncalibrated(p.calibration.compass_id),
+                needs_position && uncalibrated(p.calibration.compass_id),
             )
             .with(
                 Blocker::CompassFault,
-                needs.position && self.estimation.is_compass_lost(),
+                needs_position && self.estimation.is_compass_lost(),
             )
             .with(
                 Blocker::BarometerFault,
-                needs.height && self.estimation.is_barometer_lost(),
+                needs.contains(Need::Height) && self.estimation.is_barometer_lost(),
             )
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())
@@ -388,33 +388,18 @@ impl Outer {
 
     /// What a mode needs and has not.
     fn missing(&self, mode: Mode) -> Blockers {
-        let needs = self.needs(mode);
+        let needs = mode.needs(self.setpoint_needs_position());
+        let lacks = needs.without(self.there_is());
         let known = &self.estimation.estimate().known;
-        let position = self.is_position_known();
-        let setpoint = self.fresh_setpoint().is_none();
+        let turned = known.attitude && !known.heading;
         Blockers::default()
-            .with(Blocker::AttitudeUnknown, !known.attitude)
-            .with(Blocker::HeightUnknown, needs.height && !known.height)
-            .with(
-                Blocker::HeadingUnknown,
-                needs.position && known.attitude && !known.heading,
-            )
-            .with(Blocker::PositionUnknown, needs.position && !position)
-            .with(
-                Blocker::NoMission,
-                mode == Mode::Mission && !(self.plans.mission.is_some() && self.estimation.frame().is_some()),
-            )
-            .with(Blocker::NoSetpoint, mode == Mode::Offboard && setpoint)
-            .with(
-                Blocker::NoSticks,
-                matches!(mode, Mode::Stabilize | Mode::Position) && self.remote.sticks().is_none(),
-            )
-    }
-
-    /// What a mode relies on; offboard, what the last setpoint did, also when it has grown old.
-    pub(super) fn needs(&self, mode: Mode) -> Needs {
-        let needs_position = !matches!(self.setpoints.newest(), Some(crate::mode::Outside::Attitude(_)));
-        Needs::of(mode, needs_position)
+            .with(Blocker::AttitudeUnknown, lacks.contains(Need::Attitude))
+            .with(Blocker::HeightUnknown, lacks.contains(Need::Height))
+            .with(Blocker::HeadingUnknown, needs.contains(Need::Position) && turned)
+            .with(Blocker::PositionUnknown, lacks.contains(Need::Position))
+            .with(Blocker::NoMission, lacks.contains(Need::Mission))
+            .with(Blocker::NoSetpoint, lacks.contains(Need::Setpoint))
+            .with(Blocker::NoSticks, lacks.contains(Need::Sticks))
     }
 }
 

@@ -23,7 +23,7 @@ use crate::fence::FenceAction;
 use crate::inner::{InnerParameters, MotorState, Snapshot};
 use crate::landing::LandDetector;
 use crate::mission::{MissionEvent, MissionEvents, MissionSource};
-use crate::mode::{Around, Conditions, Demand, Mode, Modes, Outside, Setpoints, available};
+use crate::mode::{Around, Demand, Mode, Modes, Need, Needs, Outside, Setpoints, available};
 use crate::parameters::Parameters;
 use crate::queue::ParameterWrite;
 use crate::rc::{Events, Remote};
@@ -271,19 +271,24 @@ impl Outer {
         is_position_known(self.estimate(), self.estimation.position_age(), &self.parameters)
     }
 
-    /// What modes can rely on.
-    fn conditions(&self) -> Conditions {
+    /// What there is that modes can rely on.
+    fn there_is(&self) -> Needs {
         let known = &self.estimate().known;
-        Conditions {
-            attitude: known.attitude,
-            height: known.height,
-            position: self.is_position_known(),
-            sticks: self.remote.sticks().is_some(),
-            mission: self.plans.mission.is_some() && self.estimation.frame().is_some(),
-            setpoint: self
-                .fresh_setpoint()
-                .map(|setpoint| !matches!(setpoint, Outside::Attitude(_))),
-        }
+        Needs::default()
+            .with(Need::Attitude, known.attitude)
+            .with(Need::Height, known.height)
+            .with(Need::Position, self.is_position_known())
+            .with(Need::Sticks, self.remote.sticks().is_some())
+            .with(
+                Need::Mission,
+                self.plans.mission.is_some() && self.estimation.frame().is_some(),
+            )
+            .with(Need::Setpoint, self.fresh_setpoint().is_some())
+    }
+
+    /// Whether setpoints from outside need a position; also when the last one has grown old.
+    fn setpoint_needs_position(&self) -> bool {
+        !matches!(self.setpoints.newest(), Some(Outside::Attitude(_)))
     }
 
     /// Commands, what is watched, and what the supervisor makes of it.
@@ -313,8 +318,9 @@ impl Outer {
             _ if self.supervisor.mode() == Mode::Mission => f32::INFINITY,
             _ => p.disarm_ground,
         };
-        let available = available(&self.conditions());
-        let lost = armed && !available.contains(self.supervisor.mode());
+        let (there_is, places) = (self.there_is(), self.setpoint_needs_position());
+        let needs = self.supervisor.mode().needs(places);
+        let lost = armed && !needs.without(there_is).is_empty();
         let looked = self.look(snapshot, lost);
         let stopped = snapshot.stopped.is_some() || self.switches.kill;
         let flies = phase == Phase::Flying && !self.landing.is_landed();
@@ -326,7 +332,7 @@ impl Outer {
             stopped,
             airborne: !self.landing.is_landed(),
             disarm_due: self.on_ground > patience,
-            available,
+            available: available(there_is, places),
             next: self.next.take(),
             active: Watch::with_stop(self.watch.active(), snapshot.stopped),
             rising: looked.unwrap_or_default(),
@@ -395,7 +401,7 @@ impl Outer {
         }
         let interrupted = self.supervisor.interrupted();
         let mode = interrupted.unwrap_or(self.supervisor.mode());
-        let needs = self.needs(mode);
+        let needs = mode.needs(self.setpoint_needs_position());
         let estimate = self.estimation.estimate();
         let flies = self.supervisor.phase() == Phase::Flying;
         let seen = Seen {

@@ -15,6 +15,7 @@ use std::println;
 use std::vec::Vec;
 
 use super::*;
+use crate::mode::{Need, Needs};
 use crate::parameters::Parameters;
 
 /// What modes rely on: each level includes the ones before.
@@ -50,18 +51,16 @@ enum Event {
     Outside(bool),
 }
 
+/// The modes that can fly; where setpoints come from outside they are attitudes, which need least.
 fn available(known: Known, outside: bool) -> ModeSet {
-    Mode::ALL.into_iter().fold(ModeSet::default(), |set, mode| {
-        let is = match mode {
-            Mode::Stabilize => known >= Known::Attitude && outside,
-            Mode::Altitude => known >= Known::Height,
-            Mode::Position => known == Known::Position && outside,
-            Mode::Offboard => known >= Known::Attitude && outside,
-            Mode::Descend => true,
-            _ => known == Known::Position,
-        };
-        set.with(mode, is)
-    })
+    let there_is = Needs::default()
+        .with(Need::Attitude, known >= Known::Attitude)
+        .with(Need::Height, known >= Known::Height)
+        .with(Need::Position, known >= Known::Position)
+        .with(Need::Sticks, outside)
+        .with(Need::Setpoint, outside)
+        .with(Need::Mission, true);
+    crate::mode::available(there_is, false)
 }
 
 const KNOWN: [Known; 4] = [Known::Nothing, Known::Attitude, Known::Height, Known::Position];

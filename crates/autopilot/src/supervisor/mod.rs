@@ -22,7 +22,7 @@ mod explore;
 pub mod parameters;
 pub mod row;
 
-use crate::mode::Mode;
+use crate::mode::{Mode, ModeSet};
 pub use action::Action;
 pub use parameters::SafetyParameters;
 pub use row::{Actions, Override, Row, RowSet};
@@ -44,23 +44,6 @@ pub enum Phase {
 impl Phase {
     /// All of them, in their order.
     pub const ALL: [Self; 4] = [Self::Disarmed, Self::Armed, Self::Flying, Self::Landed];
-}
-
-/// A set of modes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ModeSet(pub u16);
-
-impl ModeSet {
-    /// Whether the mode is in it.
-    pub const fn contains(self, mode: Mode) -> bool {
-        self.0 >> (mode as u16) & 1 == 1
-    }
-
-    /// With the mode, if `is` says so.
-    #[must_use]
-    pub const fn with(self, mode: Mode, is: bool) -> Self {
-        Self(self.0 | (is as u16) << mode as u16)
-    }
 }
 
 /// What a step is told.

@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use crate::parameters::Parameters;
+use crate::set::bit_set;
 
 /// Who may fly on in spite of a failsafe that acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,65 +208,9 @@ rows! {
 /// How many rows there are.
 pub const ROWS: usize = Row::ALL.len();
 
-/// A set of rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RowSet(pub u32);
-
-impl RowSet {
-    /// Only this one.
-    pub const fn of(row: Row) -> Self {
-        Self(1 << row as u32)
-    }
-
-    /// Whether the row is in it.
-    pub const fn contains(self, row: Row) -> bool {
-        self.0 >> (row as u32) & 1 == 1
-    }
-
-    /// With the row, if `is` says so.
-    #[must_use]
-    pub const fn with(self, row: Row, is: bool) -> Self {
-        Self(self.0 | (is as u32) << row as u32)
-    }
-
-    /// What is in both.
-    #[must_use]
-    pub const fn and(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-
-    /// What is in either.
-    #[must_use]
-    pub const fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// What is in this and not in the other.
-    #[must_use]
-    pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-
-    /// What is in one of them and not in the other.
-    #[must_use]
-    pub const fn xor(self, other: Self) -> Self {
-        Self(self.0 ^ other.0)
-    }
-
-    /// Whether nothing is in it.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// Its rows, in the order of the table.
-    pub fn iter(self) -> impl Iterator<Item = Row> {
-        let mut left = self.0;
-        core::iter::from_fn(move || {
-            let row = Row::ALL.get(left.trailing_zeros() as usize).copied()?;
-            left &= left - 1;
-            Some(row)
-        })
-    }
+bit_set! {
+    /// A set of rows.
+    RowSet(u32) of Row
 }
 
 /// The rows that are watched on the ground.
