@@ -175,9 +175,7 @@ impl PositionController {
         thrust_shortfall: f32,
         dt: f32,
     ) -> AttitudeSetpoint {
-        let limit = self.limit.of(parameters.tilt_max);
-        let cos_tilt = max(estimate.attitude.cos_tilt(), limit.cos);
-        self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
+        let (limit, cos_tilt) = self.begin(parameters, vehicle, estimate, thrust_shortfall);
         let feedback = self.feedback(parameters, vehicle, setpoint, estimate, dt);
         let demand = feedback + setpoint.acceleration * parameters.feed_forward - estimate.disturbance;
 
@@ -218,9 +216,7 @@ impl PositionController {
         thrust_shortfall: f32,
         dt: f32,
     ) -> f32 {
-        let limit = self.limit.of(parameters.tilt_max);
-        let cos_tilt = max(estimate.attitude.cos_tilt(), limit.cos);
-        self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
+        let (_, cos_tilt) = self.begin(parameters, vehicle, estimate, thrust_shortfall);
         (self.shortfall.x, self.shortfall.y) = (0.0, 0.0);
         let error = saturate(setpoint.position.z - estimate.position.z, parameters.error_max);
         let rate = setpoint.velocity.z - estimate.velocity.z;
@@ -231,6 +227,22 @@ impl PositionController {
         let feedback = down.step(&gains, error, rate, self.shortfall.z / per_mass, dt) * per_mass;
         let demand = feedback + setpoint.acceleration.z * parameters.feed_forward - estimate.disturbance.z;
         self.height(parameters, vehicle, demand, cos_tilt).1
+    }
+
+    /// The tilt limit and the cosine of the tilt, no less than the limit's; what the mixer added to the
+    /// last thrust is taken in.
+    #[inline]
+    fn begin(
+        &mut self,
+        parameters: &PositionParameters,
+        vehicle: &VehicleParameters,
+        estimate: &PositionEstimate,
+        thrust_shortfall: f32,
+    ) -> (TiltLimit, f32) {
+        let limit = self.limit.of(parameters.tilt_max);
+        let cos_tilt = max(estimate.attitude.cos_tilt(), limit.cos);
+        self.shortfall.z -= thrust_shortfall * cos_tilt / vehicle.mass;
+        (limit, cos_tilt)
     }
 
     /// Takes on new gains without a jump.
@@ -434,6 +446,30 @@ mod tests {
                 + Vector3::new(0.0, 0.0, GRAVITY) + at.disturbance;
             prop_assert!(scalar::norm(made - setpoint.acceleration) < 2e-3, "{made} for {a:?}");
             prop_assert!((then.attitude.heading() - heading).abs() < 1e-5);
+        }
+
+        /// The height alone is led as it is with the place: the same thrust over many steps, its limits
+        /// and integral included; where the vehicle is over ground changes nothing.
+        #[test]
+        fn lift_is_the_height_equation_of_a_step(
+            heights in prop::collection::vec((-8.0f32..8.0, -3.0f32..3.0, -1.0f32..1.0), 1..40),
+            roll in -0.4f32..0.4, pitch in -0.4f32..0.4, north in -50.0f32..50.0, printed in any::<bool>(),
+        ) {
+            let parameters = PositionParameters {
+                down_i: 2.0, form: if printed { 1.0 } else { 0.0 }, ..Default::default()
+            };
+            let vehicle = VehicleParameters::default();
+            let attitude = Quaternion::from_euler(Euler { roll, pitch, yaw: 0.3 });
+            let (mut whole, mut alone) = (PositionController::default(), PositionController::default());
+            for (down, climb, added) in heights {
+                let setpoint = TrajectorySetpoint::at_rest(Vector3::new(0.0, 0.0, down), 0.3);
+                let mut at = estimate(Vector3::zeros(), Vector3::new(0.0, 0.0, climb), attitude);
+                at.disturbance.z = 0.2 * climb;
+                let step = whole.step(&parameters, &vehicle, &setpoint, &at, added, DT);
+                at.position.x = north;
+                let lift = alone.lift(&parameters, &vehicle, &setpoint, &at, added, DT);
+                prop_assert!((lift - step.thrust).abs() < 1e-5 * step.thrust, "{lift} and {}", step.thrust);
+            }
         }
 
         /// Whatever the error, tilt and thrust stay inside their limits.
