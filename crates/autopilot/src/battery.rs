@@ -145,6 +145,19 @@ impl Measured {
     fn drawn(&self) -> f32 {
         self.drawn as f32 * 1e-9
     }
+
+    /// Share of the charge that is left, once the start is over.
+    fn remaining(&mut self, parameters: &BatteryParameters) -> Option<f32> {
+        if self.elapsed < START_TIME {
+            return None;
+        }
+        let by_voltage = parameters.share_at(self.open_circuit);
+        let start = *self.start.get_or_insert(by_voltage);
+        Some(match parameters.full_charge() {
+            Some(full) => min(by_voltage, max(start - self.drawn() / full, 0.0)),
+            None => by_voltage,
+        })
+    }
 }
 
 /// The battery with its memory.
@@ -230,8 +243,8 @@ impl Battery {
 
     /// Whether a cell shows less than is asked for to arm; what is not known is not too low.
     pub fn is_too_low_to_arm(&self, parameters: &BatteryParameters) -> bool {
-        let least = parameters.cell_count() * parameters.arm_voltage;
-        self.voltage().is_some_and(|voltage| voltage < least)
+        self.voltage()
+            .is_some_and(|voltage| voltage < parameters.arming_voltage())
     }
 
     /// After how many seconds, drawn as in the last half minute, only the share `reserve` of the charge
@@ -283,20 +296,5 @@ impl Battery {
         } else if better < self.charge {
             self.charge = better;
         }
-    }
-}
-
-impl Measured {
-    /// Share of the charge that is left, once the start is over.
-    fn remaining(&mut self, parameters: &BatteryParameters) -> Option<f32> {
-        if self.elapsed < START_TIME {
-            return None;
-        }
-        let by_voltage = parameters.share_at(self.open_circuit);
-        let start = *self.start.get_or_insert(by_voltage);
-        Some(match parameters.full_charge() {
-            Some(full) => min(by_voltage, max(start - self.drawn() / full, 0.0)),
-            None => by_voltage,
-        })
     }
 }

@@ -32,6 +32,11 @@ impl BatteryParameters {
         f32::from(self.cells as u8)
     }
 
+    /// Below this voltage the battery is not armed with, V.
+    pub fn arming_voltage(&self) -> f32 {
+        self.cell_count() * self.arm_voltage
+    }
+
     /// Resistance of all cells, Ω.
     pub(super) fn pack_resistance(&self) -> f32 {
         self.cell_count() * self.resistance

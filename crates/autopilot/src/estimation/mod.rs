@@ -6,7 +6,8 @@
 //! inertial increments carry it on; when it falls silent the filter begins where it left off.
 //!
 //! - [`handover`]: steps of the estimate, kept away from the controllers.
-//! - `heading_watch`: how far a compass is trusted. `force_watch`: whether the accelerometer steps. `sensors`: what the filter is given.
+//! - `heading_watch`: how far a compass is trusted. `force_watch`: whether the accelerometer steps.
+//! - `sensors`: what the filter is given.
 //! - [`interference`]: what the motors' current does to the compass.
 
 mod force_watch;

@@ -196,7 +196,7 @@ impl<S: MissionSource + ?Sized> Reader<'_, S> {
     fn point(&self, item: &MissionItem) -> Result<Point, FenceRefusal> {
         let grounded = MissionItem { z: 0.0, ..*item };
         let place = place(&grounded).map_err(FenceRefusal::Place)?;
-        Ok(ground(self.frame.to_local(place.ground(self.frame.origin()))))
+        Ok(ground(place.over_ground(self.frame)))
     }
 
     fn circle(&self, item: &MissionItem) -> Result<Form, FenceRefusal> {

@@ -44,10 +44,7 @@ impl Rally {
                 return Err(refuse(FenceRefusal::Command(item.command)));
             }
             let place = place(&item).map_err(|refusal| refuse(FenceRefusal::Place(refusal)))?;
-            let home = frame.origin();
-            let local = frame.to_local(place.ground(home));
-            let height = place.altitude.above_home(home.altitude);
-            let position = Vector3::new(local.x, local.y, -height);
+            let position = place.local(frame, Vector3::zeros());
             let room = rally.points.push(RallyPoint { position });
             room.map_err(|_| refuse(FenceRefusal::TooManyRallyPoints))?;
         }

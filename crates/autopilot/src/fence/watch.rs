@@ -40,9 +40,9 @@ pub struct Breach {
 }
 
 impl Fence {
-    /// Whether the vehicle is outside, or has to brake now. `home`, from which the parameters'
-    /// limits count, `position` and `velocity` are NED in m and m/s; `acceleration` is what it brakes with, m/s²; `reaction_time` is how long it flies
-    /// on before, s.
+    /// Whether the vehicle is outside, or has to brake now. `home`, from which the parameters' limits
+    /// count, `position` and `velocity` are NED in m and m/s; `acceleration` is what it brakes with,
+    /// m/s²; `reaction_time` is how long it flies on before, s.
     pub fn watch(
         &self,
         parameters: &FenceParameters,

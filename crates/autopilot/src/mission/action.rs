@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use windhover_math::geodesy::GlobalPosition;
+use windhover_math::Vector3;
+use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 
 use super::item::MissionItem;
 
@@ -63,16 +64,36 @@ impl Altitude {
             Self::Home(altitude) => altitude,
         }
     }
+
+    /// How far down that is in a local frame with `home` in it, m.
+    pub fn down(self, frame: &LocalFrame, home: Vector3) -> f32 {
+        match self {
+            Self::Home(height) => home.z - height,
+            Self::SeaLevel(_) => -self.above_home(frame.origin().altitude),
+        }
+    }
+}
+
+/// Where a latitude and a longitude, 1e-7 degree, are in a local frame, NED, m: at its origin's
+/// height.
+pub fn over_ground(latitude: i32, longitude: i32, frame: &LocalFrame) -> Vector3 {
+    frame.to_local(GlobalPosition {
+        latitude,
+        longitude,
+        altitude: frame.origin().altitude,
+    })
 }
 
 impl Place {
-    /// The same place as a global position at home's altitude; the altitude is apart.
-    pub fn ground(&self, home: GlobalPosition) -> GlobalPosition {
-        GlobalPosition {
-            latitude: self.latitude,
-            longitude: self.longitude,
-            altitude: home.altitude,
-        }
+    /// Where it is in a local frame, NED, m, but at its origin's height.
+    pub fn over_ground(&self, frame: &LocalFrame) -> Vector3 {
+        over_ground(self.latitude, self.longitude, frame)
+    }
+
+    /// Where it is in a local frame with `home` in it, NED, m.
+    pub fn local(&self, frame: &LocalFrame, home: Vector3) -> Vector3 {
+        let ground = self.over_ground(frame);
+        Vector3::new(ground.x, ground.y, self.altitude.down(frame, home))
     }
 }
 

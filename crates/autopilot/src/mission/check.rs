@@ -79,7 +79,7 @@ fn check_place(action: &Action, frame: &LocalFrame, parameters: &MissionParamete
         })
     };
     let check_distance = |place: &Place| {
-        let local = frame.to_local(place.ground(home));
+        let local = place.over_ground(frame);
         let (value, max) = (
             sqrt(local.x * local.x + local.y * local.y),
             parameters.distance_max,

@@ -181,16 +181,12 @@ impl<S: MissionSource + ?Sized> Chart<'_, S> {
     }
 
     fn down(&self, altitude: Altitude) -> f32 {
-        match altitude {
-            Altitude::Home(height) => self.home.z - height,
-            Altitude::SeaLevel(_) => -altitude.above_home(self.frame.origin().altitude),
-        }
+        altitude.down(self.frame, self.home)
     }
 
     /// Where a place is in the local frame, NED, m.
     pub fn local(&self, place: &Place) -> Vector3 {
-        let ground = self.frame.to_local(place.ground(self.frame.origin()));
-        Vector3::new(ground.x, ground.y, self.down(place.altitude))
+        place.local(self.frame, self.home)
     }
 
     /// Speeds and accelerations of the leg to `nav`.

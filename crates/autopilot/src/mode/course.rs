@@ -3,7 +3,7 @@
 
 use heapless::Vec;
 use windhover_control::TrajectorySetpoint;
-use windhover_math::{Vector3, max, scalar};
+use windhover_math::{Vector3, max};
 
 use super::{Around, Motion};
 use crate::trajectory::path::Joint;
@@ -71,8 +71,7 @@ impl Course {
     /// The next step.
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> TrajectorySetpoint {
         let p = &around.parameters.mission;
-        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
-        let rate = p.rate(behind);
+        let rate = around.rate(self.glide.position);
         self.heading.step(
             self.heading_target,
             p.yaw_rate,

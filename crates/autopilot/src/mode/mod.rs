@@ -23,12 +23,12 @@ mod tilt;
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::geodesy::LocalFrame;
-use windhover_math::{Quaternion, Vector3, wrap_pi};
+use windhover_math::{Quaternion, Vector3, scalar, wrap_pi};
 
 use crate::estimation::Estimate;
 use crate::estimation::handover::Handover;
 use crate::fence::Rally;
-use crate::mission::action::{Altitude, Place};
+use crate::mission::action::{Altitude, over_ground};
 use crate::mission::route::Stored;
 use crate::mission::{MissionEvents, MissionExecutor, MissionSource};
 use crate::parameters::Parameters;
@@ -148,8 +148,8 @@ impl<S: ?Sized> Around<'_, S> {
     /// How far down an altitude is, m from the origin.
     pub fn down(&self, altitude: Altitude) -> f32 {
         match (altitude, self.frame) {
-            (Altitude::Home(height), _) => self.home.z - height,
-            (Altitude::SeaLevel(_), Some(frame)) => -altitude.above_home(frame.origin().altitude),
+            (_, Some(frame)) => altitude.down(frame, self.home),
+            (Altitude::Home(height), None) => self.home.z - height,
             // Nobody knows how high the sea is: stay.
             (Altitude::SeaLevel(_), None) => self.estimate.position.z,
         }
@@ -157,13 +157,14 @@ impl<S: ?Sized> Around<'_, S> {
 
     /// Where a place on the ground is, NED, m; its height is none.
     fn ground(&self, latitude: i32, longitude: i32) -> Option<Vector3> {
-        let frame = self.frame?;
-        let place = Place {
-            latitude,
-            longitude,
-            altitude: Altitude::Home(0.0),
-        };
-        Some(frame.to_local(place.ground(frame.origin())))
+        self.frame.map(|frame| over_ground(latitude, longitude, frame))
+    }
+
+    /// How fast the path may run on from `setpoint`, m from the origin: slower while the vehicle is
+    /// behind it.
+    fn rate(&self, setpoint: Vector3) -> f32 {
+        let behind = scalar::norm(setpoint + self.handover.position - self.estimate.position);
+        self.parameters.mission.rate(behind)
     }
 }
 

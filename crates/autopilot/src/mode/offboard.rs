@@ -164,8 +164,7 @@ impl Offboard {
             *self = Self::enter(&around.at_rest());
             return Step::of(Demand::Rest);
         }
-        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
-        let rate = around.parameters.mission.rate(behind);
+        let rate = around.rate(self.glide.position);
         let jerk = self.glide.step(wanted, &limits, rate, around.seconds);
         self.turn(guidance, around);
         let heading = (self.heading.heading, self.heading.rate);

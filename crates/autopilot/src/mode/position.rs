@@ -1,6 +1,6 @@
 //! Position: sticks to velocity. Hands off, it brakes and stays where it is.
 
-use windhover_math::{Vector3, max, min, scalar, sin_cos, sqrt, wrap_pi};
+use windhover_math::{Vector3, max, min, sin_cos, sqrt, wrap_pi};
 
 use super::altitude::climb;
 use super::land::has_contact;
@@ -49,8 +49,7 @@ impl PositionHold {
             flat * (forward * sin + right * cos),
             down,
         );
-        let behind = scalar::norm(self.glide.position + around.handover.position - around.estimate.position);
-        let rate = around.parameters.mission.rate(behind);
+        let rate = around.rate(self.glide.position);
         let jerk = self.glide.step(wanted, &GlideLimits::of(p), rate, around.seconds);
         let heading = (self.heading.heading, self.heading.rate);
         Step {

@@ -8,7 +8,7 @@ use super::report::{Refused, Why};
 use crate::blocker::{Blocker, Blockers};
 use crate::fence::FenceAction;
 use crate::inner::Snapshot;
-use crate::mission::action::{Altitude, Place, Reason, Refusal};
+use crate::mission::action::{Altitude, Place, Reason, Refusal, over_ground};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Need, Target};
 use crate::queue::Command;
@@ -203,15 +203,7 @@ impl Outer {
         let ground = match (target.ground, self.estimation.frame()) {
             (None, _) => here,
             (Some(_), None) => return Err(Why::NotANumber),
-            (Some((latitude, longitude)), Some(frame)) => {
-                let altitude = Altitude::Home(0.0);
-                let place = Place {
-                    latitude,
-                    longitude,
-                    altitude,
-                };
-                frame.to_local(place.ground(frame.origin()))
-            }
+            (Some((latitude, longitude)), Some(frame)) => over_ground(latitude, longitude, frame),
         };
         let (north, east) = (ground.x - self.home.x, ground.y - self.home.y);
         let (value, max) = (sqrt(north * north + east * east), p.mission.distance_max);
@@ -420,10 +412,5 @@ fn finite(value: Option<f32>) -> Result<(), Why> {
 /// A place in the local frame, NED, m.
 fn local(place: &Place, frame: &LocalFrame, home: Vector3) -> Result<Vector3, Why> {
     finite(altitude_of(Some(place.altitude)))?;
-    let ground = frame.to_local(place.ground(frame.origin()));
-    let down = match place.altitude {
-        Altitude::Home(height) => home.z - height,
-        Altitude::SeaLevel(_) => -place.altitude.above_home(frame.origin().altitude),
-    };
-    Ok(Vector3::new(ground.x, ground.y, down))
+    Ok(place.local(frame, home))
 }

@@ -577,7 +577,7 @@ impl Outer {
             remaining: self.battery.remaining(),
             drawn: self.battery.drawn(),
             charge: self.battery.charge(),
-            arming_voltage: p.cells * p.arm_voltage,
+            arming_voltage: p.arming_voltage(),
         }
     }
 }
