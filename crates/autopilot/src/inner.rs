@@ -88,6 +88,13 @@ pub enum MotorState {
     Idle,
     /// As control wants.
     Run,
+    /// Disarmed, one of them for a test.
+    Test {
+        /// Which, in the core's order.
+        rotor: u8,
+        /// Its command: 65535 is the full one.
+        command: u16,
+    },
 }
 
 /// Why the inner step stopped the motors by itself.
@@ -349,6 +356,7 @@ impl Inner {
             MotorState::Disarmed => self.at_rest(MotorCommand::Disarmed),
             MotorState::Idle => self.at_rest(MotorCommand::Idle(self.parameters.idle)),
             MotorState::Run => self.run(dt),
+            MotorState::Test { rotor, command } => self.test(rotor, command),
         };
         self.filter.follow(&command);
         self.increments.velocity += force * dt;
@@ -371,6 +379,17 @@ impl Inner {
         self.torque_shortfall = Vector3::zeros();
         self.rotor_thrust = 0.0;
         command
+    }
+
+    /// One motor of a vehicle that stands; not without somebody who ends it.
+    #[cold]
+    fn test(&mut self, rotor: u8, command: u16) -> MotorCommand {
+        if !self.landed || self.schedule.is_outer_silent() {
+            self.motors = MotorState::Disarmed;
+            return self.at_rest(MotorCommand::Disarmed);
+        }
+        let turned = |index: usize| if index == usize::from(rotor) { command } else { 0 };
+        self.at_rest(MotorCommand::Run(core::array::from_fn(turned)))
     }
 
     #[inline]

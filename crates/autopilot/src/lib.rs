@@ -40,9 +40,11 @@ pub use estimation::{Estimate, Known, OuterConfig};
 pub use inner::{Inner, InnerConfig, InnerParameters, Mailboxes, MotorState, Snapshot, Stop, TickOutput};
 pub use io::{Imu, ImuCounts, Increments, InnerInput, MotorCommand, ScheduleRecord, Urgent};
 pub use mode::Mode;
-pub use outer::{Outer, OuterReport, OuterResult, Refused, Why};
+pub use outer::{Outer, OuterReport, OuterResult, Refusals, Refused, Why};
 pub use parameters::{Parameters, Preset};
-pub use queue::{Command, ExternalEstimate, MissionCommit, OuterInputs, ParameterWrite, Queues, Station};
+pub use queue::{
+    Command, ExternalEstimate, MissionCommit, MotorTest, OuterInputs, ParameterWrite, Queues, Station,
+};
 pub use rc::{RcFrame, RcParameters, Remote, Sticks};
 pub use schedule::Schedule;
 pub use supervisor::{Action, Phase, Row};

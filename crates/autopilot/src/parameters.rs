@@ -55,6 +55,14 @@ impl BoardParameters {
     }
 }
 
+parameters! {
+    /// How the vehicle introduces itself to ground stations.
+    pub struct LinkParameters {
+        system: "MAV_SYS_ID", "", 1.0..=250.0, 1.0, "System number of the vehicle among those that a ground station sees; acts at the next start";
+        autopilot: "MAV_AUTOPILOT", "", 0.0..=12.0, 12.0, "As which autopilot it introduces itself: 12 PX4, whose mode numbers it has, so that ground stations offer all they can; 0 generic";
+    }
+}
+
 parameter_groups! {
     /// All parameters of the core.
     pub struct Parameters {
@@ -75,6 +83,7 @@ parameter_groups! {
         rc: RcParameters,
         rc_calibration: RcCalibrationParameters,
         battery: BatteryParameters,
+        link: LinkParameters,
     }
 }
 

@@ -173,6 +173,8 @@ pub enum Command {
     GoTo(Target),
     /// Fly the stored mission, from the item with this index on.
     StartMission(u16),
+    /// The mission goes on with the item with this index: now where it flies, else when it is started.
+    SelectItem(u16),
     /// Ground speed of the mission from the next leg on, m/s; `None` goes back to the parameter's.
     SetSpeed(Option<f32>),
     /// Home is there; `None` is where the vehicle is.
@@ -183,6 +185,29 @@ pub enum Command {
     TakePhoto,
     /// A plan was committed to storage: from now on it is this one.
     Commit(PlanKind, MissionCommit),
+    /// Turn one motor of a disarmed vehicle, for a short time.
+    TestMotor(MotorTest),
+}
+
+/// One motor that is to be turned while the vehicle is disarmed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorTest {
+    /// The rotor, in the core's order.
+    pub rotor: u8,
+    /// Share of the full command, 0 to 1; 0 ends a test.
+    pub share: f32,
+    /// For so long, s; at most [`MotorTest::LONGEST`].
+    pub duration: f32,
+}
+
+impl MotorTest {
+    /// The longest test, s.
+    pub const LONGEST: f32 = 10.0;
+
+    /// Whether there is such a rotor, share and time.
+    pub fn is_valid(&self) -> bool {
+        self.rotor < 4 && (0.0..=1.0).contains(&self.share) && (0.0..=Self::LONGEST).contains(&self.duration)
+    }
 }
 
 /// Which stored plan is the valid one.

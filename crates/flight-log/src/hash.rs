@@ -6,7 +6,7 @@
 //! The lanes are joined by the finaliser of MurmurHash3.
 
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::{MotorCommand, OuterReport, OuterResult, Refused, Row, Why};
+use windhover_autopilot::{MotorCommand, MotorState, OuterReport, OuterResult, Refused, Row, Why};
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{Quaternion, Vector3};
@@ -55,7 +55,7 @@ pub fn result_hash(result: &OuterResult) -> u32 {
     let mut lanes = Lanes::new();
     lanes.words([
         result.tick,
-        u32::from(motor_state_code(result.motors)),
+        motor_bits(result.motors),
         u32::from(result.landed),
         u32::from(result.parameters.is_some()),
     ]);
@@ -72,6 +72,15 @@ pub fn result_hash(result: &OuterResult) -> u32 {
     lanes.vector(rate, thrust.to_bits() ^ result.motor_gain.to_bits());
     self::report(&mut lanes, report);
     lanes.finish()
+}
+
+/// The state of the motors with all that belongs to it.
+fn motor_bits(motors: MotorState) -> u32 {
+    let (rotor, command) = match motors {
+        MotorState::Test { rotor, command } => (rotor, command),
+        _ => (0, 0),
+    };
+    u32::from(motor_state_code(motors)) | u32::from(rotor) << 8 | u32::from(command) << 16
 }
 
 /// 0 for none.

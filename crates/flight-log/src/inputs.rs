@@ -7,8 +7,8 @@ use windhover_autopilot::mission::PlanKind;
 use windhover_autopilot::mission::action::{Altitude, Place};
 use windhover_autopilot::mode::{Guidance, Mode, Target};
 use windhover_autopilot::{
-    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, MissionCommit, OuterInputs,
-    ParameterWrite, Queues, RcFrame, Station, Sticks, Urgent,
+    BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, MissionCommit, MotorTest,
+    OuterInputs, ParameterWrite, Queues, RcFrame, Station, Sticks, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
@@ -116,7 +116,8 @@ inputs! {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct FlatCommand {
     /// 0 arm, 1 disarm, 2 force-arm, 3 mode, 4 takeoff, 5 go to, 6 start mission, 7 speed, 8 home,
-    /// 9 look at, 10 photo, 11 commit a plan.
+    /// 9 look at, 10 photo, 11 commit a plan, 12 select an item (`count`), 13 test a motor (rotor
+    /// `slot`, share of the full command `speed`, duration in s `heading`).
     pub command: u8,
     /// The mode, as [`Mode`] counts them; of a commit the kind of plan.
     pub mode: u8,
@@ -273,6 +274,18 @@ impl From<Command> for FlatCommand {
                 crc,
                 ..Self::new(11)
             },
+            Command::SelectItem(count) => Self {
+                count,
+                ..Self::new(12)
+            },
+            Command::TestMotor(MotorTest {
+                rotor,
+                share,
+                duration,
+            }) => Self {
+                slot: rotor,
+                ..Self::new(13).with_speed(Some(share)).with_heading(Some(duration))
+            },
         }
     }
 }
@@ -311,6 +324,12 @@ impl Record for Command {
                     crc: flat.crc,
                 },
             ),
+            12 => Self::SelectItem(flat.count),
+            13 => Self::TestMotor(MotorTest {
+                rotor: flat.slot,
+                share: flat.speed()?,
+                duration: flat.heading()?,
+            }),
             _ => return None,
         })
     }

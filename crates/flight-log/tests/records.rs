@@ -7,7 +7,7 @@ use windhover_autopilot::mission::{MissionItem, PlanKind};
 use windhover_autopilot::mode::{Guidance, Target};
 use windhover_autopilot::{
     BarometerSample, Command, CompassSample, ExternalEstimate, GnssSample, Imu, ImuCounts, MissionCommit,
-    Mode, MotorCommand, ParameterWrite, RcFrame, ScheduleRecord, Station, Sticks, Urgent,
+    Mode, MotorCommand, MotorTest, ParameterWrite, RcFrame, ScheduleRecord, Station, Sticks, Urgent,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_control::position::AttitudeSetpoint;
@@ -102,6 +102,12 @@ fn commands_with(
         Command::Disarm,
         Command::StartMission(count),
         Command::TakePhoto,
+        Command::SelectItem(count),
+        Command::TestMotor(MotorTest {
+            rotor: slot,
+            share: speed,
+            duration: heading,
+        }),
     ];
     all.extend(Mode::ALL.map(Command::Fly));
     for kind in [PlanKind::Mission, PlanKind::Fence, PlanKind::Rally] {

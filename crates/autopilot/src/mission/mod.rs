@@ -9,6 +9,7 @@ pub mod camera;
 pub mod check;
 pub mod executor;
 pub mod item;
+pub mod memory;
 pub mod nav;
 pub mod parameters;
 pub mod route;
@@ -17,6 +18,7 @@ pub use action::{Action, Reason, Refusal};
 pub use check::check;
 pub use executor::{MissionEvent, MissionEvents, MissionExecutor};
 pub use item::{MAX_ITEMS, MissionItem, PlanKind};
+pub use memory::PlanMemory;
 pub use parameters::MissionParameters;
 
 /// Where plans are stored: of each kind two slots, one of them valid, the other one for the next

@@ -4,14 +4,14 @@ use windhover_math::geodesy::LocalFrame;
 use windhover_math::{Vector3, sqrt};
 
 use super::Outer;
-use super::report::{Refused, Why};
+use super::report::{Refusals, Refused, Why};
 use crate::blocker::{Blocker, Blockers};
 use crate::fence::FenceAction;
 use crate::inner::Snapshot;
 use crate::mission::action::{Altitude, Place, Reason, Refusal, over_ground};
 use crate::mission::{MissionEvent, MissionEvents, MissionSource, PlanKind};
 use crate::mode::{Mode, Need, Target};
-use crate::queue::Command;
+use crate::queue::{Command, MotorTest};
 use crate::rc::Events;
 use crate::supervisor::{Denied, Facts, Order, Phase, Row};
 
@@ -26,7 +26,7 @@ impl Outer {
         source: &S,
         facts: &Facts,
         events: &mut MissionEvents,
-        refusals: &mut heapless::Vec<Refused, 8>,
+        refusals: &mut Refusals,
     ) {
         if !self.is_commanded(snapshot) {
             return;
@@ -74,6 +74,7 @@ impl Outer {
             }
             Command::GoTo(target) => self.go_to(target, facts),
             Command::StartMission(first) => self.start_mission(Some(*first), source, facts),
+            Command::SelectItem(index) => self.select_item(*index, source, facts),
             Command::SetSpeed(speed) => self.set_speed(*speed),
             Command::SetHome(place) => self.set_home(place.as_ref()),
             Command::LookAt(place) => self.look_at(place.as_ref()),
@@ -86,6 +87,7 @@ impl Outer {
                 Ok(())
             }
             Command::Commit(kind, commit) => self.commit(*kind, commit, source),
+            Command::TestMotor(test) => self.test_motor(test, facts),
         }
     }
 
@@ -266,6 +268,38 @@ impl Outer {
             return Ok(());
         }
         self.order(Order::Fly(Mode::Mission), facts)
+    }
+
+    /// The item that the mission goes on with.
+    fn select_item<S: MissionSource + ?Sized>(
+        &mut self,
+        index: u16,
+        source: &S,
+        facts: &Facts,
+    ) -> Result<(), Why> {
+        if self.plans.mission.is_none_or(|stored| index >= stored.count) {
+            return Err(Why::Blocked(Blockers::of(Blocker::NoMission)));
+        }
+        if self.supervisor.mode() == Mode::Mission && self.supervisor.phase() == Phase::Flying {
+            return self.start_mission(Some(index), source, facts);
+        }
+        self.modes.first_item = index;
+        self.modes.forget_mission();
+        Ok(())
+    }
+
+    fn test_motor(&mut self, test: &MotorTest, facts: &Facts) -> Result<(), Why> {
+        if self.supervisor.phase() != Phase::Disarmed {
+            return Err(Why::Armed);
+        }
+        if facts.stopped {
+            return Err(Why::Blocked(Blockers::of(Blocker::Stopped)));
+        }
+        if !test.is_valid() {
+            return Err(Why::NotANumber);
+        }
+        self.motor_test = Some(*test);
+        Ok(())
     }
 
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {

@@ -10,7 +10,7 @@ mod control;
 mod plans;
 mod report;
 
-use heapless::Vec;
+use windhover_control::mixer::FULL_COMMAND;
 use windhover_control::observer::{DisturbanceObserver, ThrustScale};
 use windhover_control::position::{AttitudeSetpoint, PositionController};
 use windhover_math::geodesy::LocalFrame;
@@ -25,14 +25,14 @@ use crate::landing::LandDetector;
 use crate::mission::{MissionEvent, MissionEvents, MissionSource};
 use crate::mode::{Around, Demand, Mode, Modes, Need, Needs, Outside, Setpoints, available};
 use crate::parameters::Parameters;
-use crate::queue::ParameterWrite;
+use crate::queue::{MotorTest, ParameterWrite};
 use crate::rc::{Events, Remote};
 use crate::schedule::OUTER_RATE;
 use crate::supervisor::{Actions, Facts, Phase, RowSet, Supervisor};
 use crate::watch::{Seen, Wanted, Watch, is_position_known, time_to_return};
 
 pub use command::NO_ITEM;
-pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refused, Why};
+pub use report::{BatteryReport, MissionReport, OuterReport, OuterResult, Refusals, Refused, Why};
 
 /// Less thrust than this share of the weight does not hold a vehicle in the air.
 const LIGHT: f32 = 0.85;
@@ -78,6 +78,8 @@ pub struct Outer {
     range_short: bool,
     looks: u8,
     storage_damaged: bool,
+    /// The motor that is turned while disarmed, and for how long still.
+    motor_test: Option<MotorTest>,
     wanted: Wanted,
     estimation: Estimation,
     observer: DisturbanceObserver,
@@ -116,6 +118,7 @@ impl Outer {
             range_short: false,
             looks: 0,
             storage_damaged: false,
+            motor_test: None,
             wanted: Wanted::default(),
             estimation: Estimation::new(config),
             observer: DisturbanceObserver::default(),
@@ -201,6 +204,7 @@ impl Outer {
         let rests = step.demand == Demand::Rest;
         self.count_idling(rests);
         result.motors = self.motors(rests);
+        self.go_on_testing(snapshot.stopped.is_some(), dt);
         let mut wanted = self.control(snapshot, dt);
         wanted.thrust *= share;
         // A vehicle that the ground holds needs little thrust. The legs hold it where it is: a tilt
@@ -226,7 +230,7 @@ impl Outer {
         elapsed.max(nominal / 4)
     }
 
-    fn write_parameter(&mut self, write: &ParameterWrite, refusals: &mut Vec<Refused, 8>) {
+    fn write_parameter(&mut self, write: &ParameterWrite, refusals: &mut Refusals) {
         let old = self.parameters;
         let outcome = self.parameters.set(usize::from(write.index), write.value);
         let outcome = outcome.and_then(|()| {
@@ -493,11 +497,27 @@ impl Outer {
 
     fn motors(&self, rests: bool) -> MotorState {
         match self.supervisor.phase() {
-            Phase::Disarmed => MotorState::Disarmed,
+            Phase::Disarmed => self
+                .motor_test
+                .map_or(MotorState::Disarmed, |test| MotorState::Test {
+                    rotor: test.rotor,
+                    command: (test.share * FULL_COMMAND) as u16,
+                }),
             Phase::Flying => MotorState::Run,
             Phase::Armed | Phase::Landed if rests => MotorState::Idle,
             Phase::Armed | Phase::Landed => MotorState::Run,
         }
+    }
+
+    /// A motor's test ends with its time, by whatever stops the motors, and when the vehicle is armed.
+    fn go_on_testing(&mut self, stopped: bool, dt: u32) {
+        let ends = stopped || self.switches.kill || self.supervisor.phase() != Phase::Disarmed;
+        if let Some(test) = &mut self.motor_test {
+            test.duration -= dt as f32 * 1e-6;
+        }
+        self.motor_test = self
+            .motor_test
+            .filter(|test| !ends && test.duration > 0.0 && test.share > 0.0);
     }
 
     /// Tells the observer what was measured while the vehicle turned from the last attitude to

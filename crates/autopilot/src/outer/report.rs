@@ -94,8 +94,12 @@ pub struct OuterReport {
     /// What happened in the mission.
     pub events: MissionEvents,
     /// Commands and writes that were refused.
-    pub refusals: Vec<Refused, 8>,
+    pub refusals: Refusals,
 }
+
+/// Refusals of one step: room for every write and command of a snapshot, and for two switches of
+/// the remote control.
+pub type Refusals = Vec<Refused, 10>;
 
 /// How far the mission has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -141,6 +145,8 @@ pub enum Why {
     Blocked(Blockers),
     /// The vehicle is in flight.
     InFlight,
+    /// The vehicle is armed.
+    Armed,
     /// The vehicle is on the ground.
     OnGround,
     /// This failsafe acts, and does not yield.
@@ -166,6 +172,7 @@ impl core::fmt::Display for Why {
                 Ok(())
             }
             Self::InFlight => f.write_str("the vehicle is in flight"),
+            Self::Armed => f.write_str("the vehicle is armed"),
             Self::OnGround => f.write_str("the vehicle is on the ground"),
             Self::Failsafe(row) => write!(f, "failsafe: {}", row.watched().text),
             Self::Mission(index, refusal) => write!(f, "mission item {}, {refusal}", index + 1),

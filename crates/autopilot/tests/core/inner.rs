@@ -61,10 +61,18 @@ impl Stool {
         last
     }
 
-    /// Answers the waiting snapshot with what the outer step might say.
+    /// Answers the waiting snapshot with what the outer step might say of a vehicle in the air.
     pub fn answer(&mut self, motors: MotorState) {
+        self.answer_landed(motors, false);
+    }
+
+    /// The same, of one that may stand on the ground.
+    pub fn answer_landed(&mut self, motors: MotorState, landed: bool) {
         let snapshot = self.mailboxes.snapshot.take().expect("a snapshot waits");
-        self.mailboxes.result = Some(result(snapshot.tick, motors));
+        self.mailboxes.result = Some(OuterResult {
+            landed,
+            ..result(snapshot.tick, motors)
+        });
     }
 
     /// What the snapshot says of the latch.

@@ -6,6 +6,7 @@ mod flight;
 mod inner;
 mod inner_motion;
 mod lag;
+mod motor_test;
 mod outer;
 mod outer_arming;
 mod outer_blockers;

@@ -237,3 +237,26 @@ fn lost_setpoints_are_held_at_whatever_step() {
         }
     }
 }
+
+/// An item that is selected is flown next: at once by a mission that flies, else when it is started.
+#[test]
+fn a_selected_item_is_flown_next() {
+    let mut flight = aloft();
+    flight.obey(Command::SelectItem(1));
+    assert_eq!(
+        (flight.report().mode, flight.report().mission.current),
+        (Mode::Hold, 1)
+    );
+    assert!(matches!(flight.refused(Command::SelectItem(2)), Why::Blocked(_)));
+    assert_eq!(flight.report().mission.current, 1);
+    flight.obey(Command::Fly(Mode::Mission));
+    flight.step();
+    assert_eq!(flight.report().mission.current, 1);
+    flight.obey(Command::SelectItem(0));
+    flight.step();
+    assert_eq!(flight.report().mode, Mode::Mission);
+    assert!(flight.report().mission.begun);
+    let mut none = Flight::new();
+    none.step();
+    assert!(matches!(none.refused(Command::SelectItem(0)), Why::Blocked(_)));
+}

@@ -11,12 +11,13 @@ use super::{
 };
 use crate::inputs::FlatCommand;
 
-/// 0 disarmed, 1 idle, 2 run.
+/// 0 disarmed, 1 idle, 2 run, 3 one motor for a test.
 pub const fn motor_state_code(state: MotorState) -> u8 {
     match state {
         MotorState::Disarmed => 0,
         MotorState::Idle => 1,
         MotorState::Run => 2,
+        MotorState::Test { .. } => 3,
     }
 }
 
@@ -39,6 +40,7 @@ pub const fn why_code(why: &Why) -> u8 {
         Why::Fence(..) => 6,
         Why::NotANumber => 7,
         Why::Place(_) => 8,
+        Why::Armed => 9,
     }
 }
 
@@ -215,10 +217,9 @@ impl VehicleStatus {
     /// From an outer step.
     pub fn new(result: &OuterResult) -> Self {
         Self {
-            arming_state: if result.motors == MotorState::Disarmed {
-                1
-            } else {
-                2
+            arming_state: match result.motors {
+                MotorState::Disarmed | MotorState::Test { .. } => 1,
+                MotorState::Idle | MotorState::Run => 2,
             },
             nav_state: nav_state(result.report.mode),
             vehicle_type: 1,

@@ -205,8 +205,9 @@ views! {
         kind: u8,
         /// Command: as in `input_command`.
         command: u8,
-        /// Command: 1 blockers, 2 in flight, 3 on the ground, 4 a failsafe, 5 an item of the mission, 6
-        /// one of the fence, 7 not a number, 8 the place. Parameter: 1 unknown, 2 out of range, 3 inconsistent.
+        /// Command: 1 blockers, 2 in flight, 3 on the ground, 4 a failsafe, 5 an item of the
+        /// mission, 6 one of the fence, 7 not a number, 8 the place, 9 armed. Parameter: 1 unknown,
+        /// 2 out of range, 3 inconsistent.
         reason: u8,
         /// Parameter: its index. Command: the item, or the row of the failsafes' table.
         index: u16,
