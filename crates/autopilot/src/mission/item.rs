@@ -36,6 +36,9 @@ pub enum PlanKind {
 }
 
 impl PlanKind {
+    /// All of them.
+    pub const EACH: [Self; 3] = [Self::Mission, Self::Fence, Self::Rally];
+
     /// Its number.
     pub const fn code(self) -> u8 {
         match self {
@@ -52,6 +55,15 @@ impl PlanKind {
             1 => Some(Self::Fence),
             2 => Some(Self::Rally),
             _ => None,
+        }
+    }
+
+    /// For a human.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mission => "mission",
+            Self::Fence => "fence",
+            Self::Rally => "rally points",
         }
     }
 }

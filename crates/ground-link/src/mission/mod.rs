@@ -25,7 +25,8 @@ use download::Download;
 use upload::{Finished, Upload};
 
 pub(crate) use item::item_message;
-pub use plan::{MissionResult, PlanKind, PlanRefusal, PlanStore};
+pub use plan::{MissionResult, PlanRefusal, PlanStore};
+pub use windhover_autopilot::mission::PlanKind;
 
 /// Downloads whose plan is watched for changes.
 const DOWNLOADS: usize = 4;

@@ -1,54 +1,10 @@
 //! What is uploaded and downloaded, and where it is kept.
 
-use mavlink::dialects::common::{MavMissionResult, MavMissionType};
+use mavlink::dialects::common::MavMissionResult;
 use windhover_autopilot::MissionCommit;
-use windhover_autopilot::mission::MissionItem;
+use windhover_autopilot::mission::{MissionItem, PlanKind};
 
 use crate::text::Line;
-
-/// A list of items; numbers as in MAVLink's `MAV_MISSION_TYPE`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlanKind {
-    /// The mission.
-    Mission,
-    /// The fence.
-    Fence,
-    /// Rally points.
-    Rally,
-}
-
-impl PlanKind {
-    /// All of them.
-    pub const EACH: [Self; 3] = [Self::Mission, Self::Fence, Self::Rally];
-
-    /// Its number.
-    pub const fn code(self) -> u8 {
-        match self {
-            Self::Mission => MavMissionType::MAV_MISSION_TYPE_MISSION as u8,
-            Self::Fence => MavMissionType::MAV_MISSION_TYPE_FENCE as u8,
-            Self::Rally => MavMissionType::MAV_MISSION_TYPE_RALLY as u8,
-        }
-    }
-
-    /// The kind with that number.
-    pub const fn from_code(code: u8) -> Option<Self> {
-        match code {
-            0 => Some(Self::Mission),
-            1 => Some(Self::Fence),
-            2 => Some(Self::Rally),
-            _ => None,
-        }
-    }
-
-    /// For a human.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Mission => "mission",
-            Self::Fence => "fence",
-            Self::Rally => "rally points",
-        }
-    }
-}
 
 macro_rules! results {
     ($($(#[$meta:meta])* $name:ident: $wire:ident;)*) => {

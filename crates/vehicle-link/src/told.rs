@@ -1,0 +1,161 @@
+//! What the core has told since it was last asked.
+
+use heapless::{Deque, Vec};
+use windhover_autopilot::mission::MissionEvent;
+use windhover_autopilot::{
+    Command, GnssSample, MotorCommand, OuterReport, OuterResult, ParameterWrite, Refused, Snapshot, Why,
+};
+use windhover_math::{Quaternion, Vector3};
+
+/// Room for answers: a link asks for four commands and four parameters at a time, and others may too.
+const OUTCOMES: usize = 16;
+
+/// Room for what happens in some ten outer steps.
+const HAPPENED: usize = 8;
+
+/// What the core made of an input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// A command, and why it was refused if it was.
+    Command(Command, Option<Why>),
+    /// A write to the parameter table, and why it was refused if it was.
+    Parameter(ParameterWrite, Option<windhover_parameters::Refusal>),
+}
+
+/// Something that happened in flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Happened {
+    /// What.
+    pub event: MissionEvent,
+    /// When, µs since start.
+    pub time: u64,
+    /// Where the vehicle believed to be, NED, m from the origin.
+    pub position: Vector3,
+    /// Its attitude, body to world.
+    pub attitude: Quaternion,
+}
+
+/// What the core has told: filled by whoever runs its steps, taken by whoever serves the links.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    report: Option<OuterReport>,
+    /// µs since start.
+    pub(crate) time: u64,
+    /// Body rates, FRD, rad/s: the mean of the last outer period.
+    pub(crate) rate: Vector3,
+    /// Thrust that is asked for, N.
+    pub(crate) thrust: f32,
+    /// What the motors were told last, in the core's order.
+    pub(crate) motors: [u16; 4],
+    pub(crate) gnss: Option<GnssSample>,
+    pub(crate) remote: bool,
+    outcomes: Deque<Outcome, OUTCOMES>,
+    happened: Deque<Happened, HAPPENED>,
+    dropped: u32,
+}
+
+impl Told {
+    /// One outer step.
+    pub fn outer(&mut self, snapshot: &Snapshot, result: &OuterResult) {
+        let increments = &snapshot.increments;
+        if increments.duration > 0.0 {
+            let turn = increments.rotation.shortest();
+            self.rate = Vector3::new(turn.x, turn.y, turn.z) * (2.0 / increments.duration);
+        }
+        self.time = snapshot.time;
+        self.thrust = result.setpoint.thrust;
+        if let Some(gnss) = snapshot.inputs.gnss.last() {
+            self.gnss = Some(*gnss);
+        }
+        self.remote |= !snapshot.inputs.rc.is_empty();
+        self.settle(snapshot, &result.report);
+        let estimate = &result.report.estimate;
+        for event in &result.report.events {
+            let happened = Happened {
+                event: *event,
+                time: snapshot.time,
+                position: estimate.position,
+                attitude: estimate.attitude,
+            };
+            self.count(|told| told.happened.push_back(happened).is_err());
+        }
+        let report = self.report.insert(result.report.clone());
+        report.events.clear();
+        report.refusals.clear();
+    }
+
+    /// One tick.
+    pub fn motors(&mut self, command: MotorCommand) {
+        self.motors = command.rotors().unwrap_or_default();
+    }
+
+    /// What was refused names what it was; all else of the inputs was done.
+    fn settle(&mut self, snapshot: &Snapshot, report: &OuterReport) {
+        let inputs = &snapshot.inputs;
+        let mut refusals: Vec<&Refused, 10> = report.refusals.iter().collect();
+        for write in &inputs.parameter {
+            let refused = take(&mut refusals, |refused| match refused {
+                Refused::Parameter(of, refusal) if of == write => Some(*refusal),
+                _ => None,
+            });
+            self.outcome(Outcome::Parameter(*write, refused));
+        }
+        for command in &inputs.command {
+            let refused = take(&mut refusals, |refused| match refused {
+                Refused::Command(of, why) if of == command => Some(*why),
+                _ => None,
+            });
+            self.outcome(Outcome::Command(*command, refused));
+        }
+    }
+
+    fn outcome(&mut self, outcome: Outcome) {
+        self.count(|told| told.outcomes.push_back(outcome).is_err());
+    }
+
+    fn count(&mut self, drops: impl FnOnce(&mut Self) -> bool) {
+        if drops(self) {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// All since the last time; the state stays as it is.
+    #[must_use]
+    pub fn take(&mut self) -> Self {
+        let taken = self.clone();
+        self.outcomes.clear();
+        self.happened.clear();
+        self.report = None;
+        taken
+    }
+
+    /// The last report, without its events and refusals; `None` where there was no step.
+    pub fn report(&self) -> Option<&OuterReport> {
+        self.report.as_ref()
+    }
+
+    /// What became of inputs, in order.
+    pub fn outcomes(&self) -> impl Iterator<Item = &Outcome> {
+        self.outcomes.iter()
+    }
+
+    /// What happened in flight, in order.
+    pub fn happened(&self) -> impl Iterator<Item = &Happened> {
+        self.happened.iter()
+    }
+
+    /// How much found no room since start.
+    pub fn dropped(&self) -> u32 {
+        self.dropped
+    }
+}
+
+/// Takes out the first one that fits.
+fn take<T>(refusals: &mut Vec<&Refused, 10>, fits: impl Fn(&Refused) -> Option<T>) -> Option<T> {
+    let (at, found) = refusals
+        .iter()
+        .enumerate()
+        .find_map(|(at, refused)| Some((at, fits(refused)?)))?;
+    refusals.remove(at);
+    Some(found)
+}
