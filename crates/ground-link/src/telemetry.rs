@@ -8,6 +8,9 @@ use crate::mode::Mode;
 /// The state of the vehicle as far as ground stations are told; `None` is not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Telemetry {
+    /// Time since start by the vehicle's own clock, µs, where that is not the link's: in a simulation
+    /// that runs faster. Streams and times in messages follow it; the protocols' waits do not.
+    pub time: Option<u64>,
     /// Attitude, body to world.
     pub attitude: Option<Quaternion>,
     /// Body rates, FRD, rad/s.

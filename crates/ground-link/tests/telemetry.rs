@@ -458,3 +458,22 @@ fn the_memory_of_a_link_is_bounded() {
     println!("a link takes {} bytes", size_of::<Link>());
     assert!(size_of::<Link>() < 6_000);
 }
+
+/// A simulation that runs ten times as fast tells ten times as often, and in its own time.
+#[test]
+fn streams_follow_the_vehicles_clock() {
+    let mut vehicle = Vehicle::new();
+    vehicle.telemetry = flying();
+    let mut station = Station::new(255);
+    let (mut heartbeats, mut last) = (0, 0);
+    for now in (1..=2_000_000).step_by(4000) {
+        vehicle.telemetry.time = Some(now * 10);
+        let seen = station.read(&vehicle.poll(now));
+        heartbeats += all::<HEARTBEAT_DATA>(&seen).len();
+        if let Some(attitude) = all::<ATTITUDE_DATA>(&seen).last() {
+            last = attitude.time_boot_ms;
+        }
+    }
+    assert!((19..=21).contains(&heartbeats), "{heartbeats}");
+    assert!((19_000..=20_000).contains(&last), "{last}");
+}

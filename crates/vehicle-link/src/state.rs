@@ -22,6 +22,7 @@ pub fn fill(t: &mut Telemetry, told: &Told, parameters: &Parameters, load: f32) 
     let (estimate, known) = (&report.estimate, &report.estimate.known);
     let frame = report.origin.map(LocalFrame::new);
     let global = |local| frame.map(|frame| frame.to_global(local));
+    t.time = Some(told.time);
     t.attitude = known.attitude.then_some(estimate.attitude);
     t.rate = told.rate;
     t.position = known.position.then(|| estimate.position - report.home);

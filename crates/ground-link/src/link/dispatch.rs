@@ -102,7 +102,7 @@ impl Core {
             let text = format_args!("mission has no item {}", Whole(index.into()));
             self.outbox.say(Severity::Warning, text);
         }
-        self.streams.hasten(streams::MISSION_CURRENT, now);
+        self.streams.hasten(streams::MISSION_CURRENT, context.time(now));
     }
 
     #[inline(never)]
@@ -173,7 +173,8 @@ impl Core {
             Ours::Every { message: 0, interval } if !matches!(interval, Some(0..=1_000_000)) => {
                 (CommandResult::Denied, None)
             }
-            Ours::Every { message, interval } => match self.streams.set(message, interval, now) {
+            Ours::Every { message, interval } => match self.streams.set(message, interval, context.time(now))
+            {
                 true => (CommandResult::Accepted, None),
                 false => (CommandResult::Unsupported, None),
             },
@@ -239,7 +240,10 @@ impl Core {
                 }
             }
             wire::RADIO_STATUS_DATA::ID => {}
-            wire::REQUEST_DATA_STREAM_DATA::ID => self.streams.legacy(payload, self.config.address, now),
+            wire::REQUEST_DATA_STREAM_DATA::ID => {
+                self.streams
+                    .legacy(payload, self.config.address, context.time(now))
+            }
             wire::PING_DATA::ID => self.ping(payload, from),
             wire::TIMESYNC_DATA::ID => self.time(payload, from, now),
             wire::FILE_TRANSFER_PROTOCOL_DATA::ID => self.files(payload, from),

@@ -80,6 +80,13 @@ pub struct Context<'a> {
     pub signing: &'a mut Signing,
 }
 
+impl Context<'_> {
+    /// The vehicle's time, µs, at `now` of the link's.
+    pub(crate) fn time(&self, now: u64) -> u64 {
+        self.telemetry.time.unwrap_or(now)
+    }
+}
+
 /// A photo that was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photo {

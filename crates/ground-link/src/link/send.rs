@@ -52,7 +52,7 @@ impl Core {
         self.notice(now, context);
         self.budget.advance(now);
         let m = &mut Message::empty();
-        if self.streams.heartbeat(now) {
+        if self.streams.heartbeat(context.time(now)) {
             self.send_telemetry(streams::HEARTBEAT, now, context, m, out);
         }
         // Whatever else waits: they are shorter than what they answer.
@@ -91,18 +91,19 @@ impl Core {
     /// What has changed is told at once.
     fn notice(&mut self, now: u64, context: &Context<'_>) {
         let mission = context.plans.committed(PlanKind::Mission).crc;
+        let time = context.time(now);
         let shown = Shown::of(context.telemetry, mission);
         if shown.heartbeat != self.shown.heartbeat {
-            self.streams.hasten(streams::HEARTBEAT, now);
+            self.streams.hasten(streams::HEARTBEAT, time);
         }
         if shown.landed != self.shown.landed {
-            self.streams.hasten(streams::EXTENDED_SYS_STATE, now);
+            self.streams.hasten(streams::EXTENDED_SYS_STATE, time);
         }
         if shown.mission != self.shown.mission {
-            self.streams.hasten(streams::MISSION_CURRENT, now);
+            self.streams.hasten(streams::MISSION_CURRENT, time);
         }
         if shown.home != self.shown.home {
-            self.streams.hasten(streams::HOME_POSITION, now);
+            self.streams.hasten(streams::HOME_POSITION, time);
         }
         self.shown = shown;
     }
@@ -123,7 +124,7 @@ impl Core {
             self.send(m, now, context.signing, out);
         }
         while self.budget.allows() {
-            let stream = self.streams.next(now);
+            let stream = self.streams.next(context.time(now));
             if let Some(number) = stream {
                 self.send_telemetry(number, now, context, m, out);
             }
@@ -182,7 +183,7 @@ impl Core {
             } else {
                 0.0
             },
-            now,
+            now: context.time(now),
         }
     }
 
