@@ -7,8 +7,9 @@ use windhover_storage::ParameterStore;
 use crate::board::{STORED, Storage};
 use crate::fault;
 
-/// The outer step with the parameters that are stored; where some are damaged, one that does not arm
-/// of itself. Where there is one to `store`, it does that and starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
+/// The outer step with the parameters that are stored; where some are damaged, one that does not
+/// arm of itself. Where there is one to `store`, it does that and starts anew. Nothing waits for
+/// time or interrupts yet, so flash may keep the processor.
 pub fn outer(storage: Storage, store: Option<ParameterWrite>, config: &OuterConfig) -> Outer {
     let mut journal = ParameterStore::new(storage, STORED).expect("whole sectors");
     if let Some(write) = store {

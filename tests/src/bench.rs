@@ -8,9 +8,9 @@ use windhover_autopilot::{
 };
 use windhover_math::{Quaternion, Vector3};
 use windhover_model::{Truth, World, ideal_counts};
-use windhover_sim::closed_loop::Stored;
 use windhover_sim::flight::{self, Setup};
 use windhover_sim::mission_file::MissionFile;
+use windhover_sim::stored::Stored;
 
 use crate::trace::Step;
 
@@ -67,7 +67,8 @@ impl Bench {
         }
     }
 
-    /// Commits the mission, arms, starts it when the motors have spooled up, and flies it for so many seconds.
+    /// Commits the mission, arms, starts it when the motors have spooled up, and flies it for so
+    /// many seconds.
     pub fn in_mission(setup: &Setup, mission: &MissionFile, seconds: f64) -> Self {
         let mut bench = Self::new(setup, mission);
         bench.command(bench.commit());

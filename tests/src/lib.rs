@@ -22,6 +22,7 @@ use windhover_sim::flight::{self, Flight, Setup};
 use windhover_sim::flight_log::FlightLog;
 use windhover_sim::mission_file::{self, MissionFile};
 use windhover_sim::recording::Recording;
+use windhover_sim::sensors::{Receiver, Sensors};
 
 use trace::Trace;
 
@@ -36,6 +37,17 @@ pub fn setup(vehicle_name: &str, preset: Preset, model: ModelKind) -> Setup {
         preset,
         model,
         ..Setup::reference(vehicle(vehicle_name))
+    }
+}
+
+/// Our preset on the os4 in the reference conditions, on its sensors with this receiver.
+pub fn on_sensors(receiver: Receiver) -> Setup {
+    Setup {
+        sensors: Some(Sensors {
+            receiver,
+            ..Sensors::default()
+        }),
+        ..setup("os4", Preset::Windhover, ModelKind::Rigid)
     }
 }
 

@@ -1,36 +1,20 @@
-//! Whole flights in the modes: takeoff in wind, sticks, returns over rally points, the fence at full
-//! speed. All on sensors, and each replays equal.
+//! Whole flights in the modes: takeoff in wind, sticks, returns over rally points, the fence at
+//! full speed. All on sensors, and each replays equal.
 
-use windhover_autopilot::mode::Guidance;
-use windhover_autopilot::{Command, Mode, Phase, Preset};
-use windhover_math::Vector3;
-use windhover_model::{ModelKind, mean_wind_from};
+use windhover_autopilot::{Mode, Phase};
+use windhover_model::mean_wind_from;
 use windhover_sim::closed_loop::ClosedLoop;
-use windhover_sim::flight::Setup;
 use windhover_sim::recording::Recording;
-use windhover_sim::sensors::{RESTING, Receiver, Sensors};
-use windhover_tests::failsafe::fly;
+use windhover_sim::sensors::RESTING;
+use windhover_sim::sensors::Receiver::Rtk;
+use windhover_tests::failsafe::{choose, every, fly, guide, once};
 use windhover_tests::plan::{Plan, UNSET, item_at};
-use windhover_tests::{setup, with_parameter};
-
-fn on_sensors() -> Setup {
-    Setup {
-        sensors: Some(Sensors {
-            receiver: Receiver::Rtk,
-            ..Sensors::default()
-        }),
-        ..setup("os4", Preset::Windhover, ModelKind::Rigid)
-    }
-}
-
-fn once(time: f64, at: f64) -> bool {
-    (at..at + 0.000_9).contains(&time)
-}
+use windhover_tests::{on_sensors, with_parameter};
 
 /// If this failed, a takeoff in wind would sweep the vehicle away before it has learnt of the wind.
 #[test]
 fn a_takeoff_in_8_m_s_of_wind_goes_straight_up() {
-    let mut setup = on_sensors();
+    let mut setup = on_sensors(Rtk);
     setup.conditions.wind = mean_wind_from(8.0, 200.0);
     setup.conditions.gust = 1.5;
     setup.conditions.pushes.clear();
@@ -46,7 +30,7 @@ fn a_takeoff_in_8_m_s_of_wind_goes_straight_up() {
         }
     });
     println!("takeoff in 8 m/s of wind: at most {furthest:.2} m aside");
-    assert!(story.landed() && story.finished, "{:?}", story.crash);
+    assert!(story.landed() && story.finished(), "{:?}", story.crash);
     assert!(furthest < 1.5, "{furthest} m");
 }
 
@@ -61,9 +45,9 @@ fn a_return_leads_over_the_nearest_rally_point() {
         item_at(5100, [0.0, 0.0, 0.0, UNSET], 60.0, 15.0, 10.0),
         item_at(5100, [0.0, 0.0, 0.0, UNSET], -40.0, 0.0, 10.0),
     ];
-    let story = fly(&on_sensors(), &mission, |flown, time| {
+    let story = fly(&on_sensors(Rtk), &mission, |flown, time| {
         if once(time, 80.0) {
-            flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
+            choose(flown, Mode::Return);
         }
     });
     assert!(story.landed(), "{:?}", story.crash);
@@ -95,21 +79,17 @@ fn at_full_speed_the_fence_is_kept() {
             corner(edge, 80.0),
             corner(edge, -80.0),
         ];
-        let setup = with_parameter(on_sensors(), "MPC_VEL_MANUAL", f64::from(speed));
+        let setup = with_parameter(on_sensors(Rtk), "MPC_VEL_MANUAL", f64::from(speed));
         let (mut furthest, mut fastest) = (0.0, 0.0);
         let story = fly(&setup, &mission, |flown, time| {
-            if (30.0..75.0).contains(&time) && ((time * 1000.0) as u64).is_multiple_of(50) {
-                flown.mailboxes.queues.guidance.push(Guidance {
-                    uses: Guidance::VELOCITY | Guidance::CLIMB,
-                    velocity: Vector3::new(speed, 0.0, 0.0),
-                    ..Guidance::default()
-                });
+            if (30.0..75.0).contains(&time) && every(time, 50) {
+                guide(flown, speed, 0.0);
             }
             if once(time, 30.5) {
-                flown.mailboxes.queues.command.push(Command::Fly(Mode::Offboard));
+                choose(flown, Mode::Offboard);
             }
             if once(time, 85.0) {
-                flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));
+                choose(flown, Mode::Return);
             }
             let truth = flown.world.truth();
             furthest = windhover_math::max(furthest, truth.position.x);
@@ -135,8 +115,8 @@ fn hands(flown: &mut ClosedLoop, sticks: [f64; 4], armed: bool, mode: f64) {
     }
 }
 
-/// If this failed, a pilot could not take off, fly and land by hand, or the vehicle would not disarm
-/// after it. The mode switch selects position, then altitude, then stabilize.
+/// If this failed, a pilot could not take off, fly and land by hand, or the vehicle would not
+/// disarm after it. The mode switch selects position, then altitude, then stabilize.
 #[test]
 fn a_flight_by_hand_in_every_manual_mode() {
     for (number, mode) in [
@@ -144,7 +124,7 @@ fn a_flight_by_hand_in_every_manual_mode() {
         (1.0, Mode::Altitude),
         (8.0, Mode::Stabilize),
     ] {
-        let setup = with_parameter(on_sensors(), "COM_FLTMODE1", number);
+        let setup = with_parameter(on_sensors(Rtk), "COM_FLTMODE1", number);
         let mut setup = with_parameter(setup, "RC_DEADBAND", 0.03);
         if let Some(sensors) = &mut setup.sensors {
             sensors.remote = true;

@@ -2,27 +2,15 @@
 //! becomes of them when a sensor fails.
 
 use rayon::prelude::*;
-use windhover_autopilot::{
-    InnerInput, Mode, MotorCommand, OuterResult, Phase, Preset, ScheduleRecord, Snapshot,
-};
+use windhover_autopilot::{InnerInput, Mode, MotorCommand, OuterResult, Phase, ScheduleRecord, Snapshot};
 use windhover_math::{Quaternion, Vector3, max};
+use windhover_model::Truth;
 use windhover_model::sensor::fault::SensorFault;
-use windhover_model::{ModelKind, Truth};
 use windhover_sim::closed_loop::Recorder;
 use windhover_sim::figures::Figures;
 use windhover_sim::flight::{self, Setup};
-use windhover_sim::sensors::{Receiver, Sensors};
-use windhover_tests::{monitoring, recorded, seeded, setup, with_parameter};
-
-fn on_sensors(receiver: Receiver) -> Setup {
-    Setup {
-        sensors: Some(Sensors {
-            receiver,
-            ..Sensors::default()
-        }),
-        ..setup("os4", Preset::Windhover, ModelKind::Rigid)
-    }
-}
+use windhover_sim::sensors::Receiver;
+use windhover_tests::{monitoring, on_sensors, recorded, seeded, with_parameter};
 
 /// Figures of a hundred flights.
 fn hundred(setup: &Setup) -> Vec<Figures> {
@@ -301,8 +289,8 @@ impl Recorder for Attitude {
 const LIMIT: (f64, f64) = (5.0, 5.0);
 
 /// Faults that are not held to that yet, and what they are held to: a filter that is sure of its
-/// biases takes a second to notice that a gyro has begun to turn by 2 °/s about each axis. The worst
-/// of twenty flights is a matter of luck: these are the worst of eight sets of twenty.
+/// biases takes a second to notice that a gyro has begun to turn by 2 °/s about each axis. The
+/// worst of twenty flights is a matter of luck: these are the worst of eight sets of twenty.
 const BEYOND: &[(&str, (f64, f64))] = &[
     ("gyro-bias-step", (12.0, 20.0)),
     ("gyro-noise", (5.0, 8.0)),
@@ -316,8 +304,8 @@ const BEYOND: &[(&str, (f64, f64))] = &[
 /// the true ones is not told from inertial sensors that fail, and one flight in twenty crashes.
 const NOT_SURVIVED: &[&str] = &["gnss-wrong-scale"];
 
-/// Of one flight: the largest errors of tilt and heading in the mission, why it crashed if it did, and
-/// the errors until its end; degrees.
+/// Of one flight: the largest errors of tilt and heading in the mission, why it crashed if it did,
+/// and the errors until its end; degrees.
 type Worst = (f64, f64, Option<String>, (f64, f64));
 
 fn limit(name: &str) -> (f64, f64) {

@@ -8,8 +8,8 @@
 //! The integral is kept in units of the output, and follows how much of the last output really
 //! took effect (tracking anti-windup): while the actuator is saturated it grows no further in that
 //! direction and shrinks to what fits, at most to nothing. It never turns against the other terms,
-//! as plain back-calculation does after a large step, with a long tail. [`Pid::retune`] moves it when gains change, so that
-//! the output is continuous.
+//! as plain back-calculation does after a large step, with a long tail. [`Pid::retune`] moves it
+//! when gains change, so that the output is continuous.
 
 use windhover_math::Vector3;
 

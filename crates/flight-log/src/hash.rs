@@ -1,4 +1,5 @@
-//! The 32-bit hash of a period's outputs: equal outputs, equal hash, and practically only then.
+//! The 32-bit hash of a period's outputs: equal outputs, equal hash; other outputs, practically
+//! always another one, where they differ in what is hashed.
 //!
 //! A period's outputs are the outer result that was adopted at its boundary, if one was, and the
 //! motor commands of its ticks. Words of 32 bits, floats by their bits, go through four lanes: in
@@ -49,8 +50,13 @@ impl Lanes {
     }
 }
 
-/// The hash of an outer result, its report included. New parameters of the inner step count as
-/// present or not; what they do shows in the motor commands.
+/// The hash of an outer result and its report. New parameters of the inner step count as present
+/// or not; what they do shows in the motor commands.
+///
+/// Not hashed are of the report: where positions count from; of the sensors all but the number of
+/// measurements that the gates rejected; of the estimate the accuracy of height, velocity and tilt,
+/// and the gyro bias (the result's own is); of a refusal what is wrong with an item of the mission,
+/// of the fence or with a place, and the range of a parameter.
 pub fn result_hash(result: &OuterResult) -> u32 {
     let mut lanes = Lanes::new();
     lanes.words([

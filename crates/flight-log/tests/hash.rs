@@ -1,10 +1,11 @@
-//! Whatever a result says changes its hash: a replay that differs anywhere is found.
+//! What is hashed of a result changes its hash: a replay that differs in it is found. What is not
+//! hashed stands with [`result_hash`].
 
 use windhover_autopilot::battery::Charge;
 use windhover_autopilot::mission::{MissionEvent, PlanKind, Reason, Refusal};
 use windhover_autopilot::{
-    Blocker, Blockers, Command, MissionCommit, Mode, MotorState, OuterReport, OuterResult, ParameterWrite,
-    Phase, Refused, Row, Why,
+    Blocker, Blockers, Command, InnerParameters, MissionCommit, Mode, MotorState, Outer, OuterConfig,
+    OuterReport, OuterResult, ParameterWrite, Parameters, Phase, Refused, Row, Why,
 };
 use windhover_control::TrajectorySetpoint;
 use windhover_flight_log::result_hash;
@@ -30,7 +31,7 @@ const REASON: Refusal = Refusal {
     reason: Reason::Fence,
 };
 
-/// One change of each field of the report, and where fields are sets or choices, of several.
+/// Changes of what is hashed of the report; where fields are sets or choices, several.
 const CHANGES: &[Change] = &[
     |r| r.phase = Phase::Armed,
     |r| r.phase = Phase::Landed,
@@ -57,6 +58,14 @@ const CHANGES: &[Change] = &[
     |r| r.battery.arming_voltage = 14.0,
     |r| r.estimate.position.y = 1.0,
     |r| r.estimate.known.height ^= true,
+    |r| r.estimate.velocity.y = 1.0,
+    |r| r.estimate.attitude.x = 1.0,
+    |r| r.estimate.accel_bias.y = 1.0,
+    |r| r.estimate.accuracy.horizontal = 1.0,
+    |r| r.estimate.accuracy.heading = 1.0,
+    |r| r.sensors.rejected = 1,
+    |r| r.handover.position.x = 1.0,
+    |r| r.handover.velocity.x = 1.0,
     |r| r.handover.heading = 1.0,
     |r| r.leg_end = Some(Vector3::zeros()),
     |r| r.trajectory = Some(TrajectorySetpoint::at_rest(Vector3::zeros(), 0.0)),
@@ -92,7 +101,7 @@ const CHANGES: &[Change] = &[
 ];
 
 #[test]
-fn every_field_of_a_report_counts() {
+fn what_is_hashed_of_a_report_counts() {
     let mut hashes = vec![result_hash(&OuterResult::default())];
     for (index, change) in CHANGES.iter().enumerate() {
         let mut result = OuterResult::default();
@@ -104,16 +113,26 @@ fn every_field_of_a_report_counts() {
     }
 }
 
+/// Some parameters of the inner step.
+fn parameters() -> InnerParameters {
+    let outer = Outer::new(Parameters::default(), &OuterConfig::default());
+    outer.expect("a vehicle that flies").inner_parameters()
+}
+
 #[test]
 fn what_the_inner_step_adopts_counts() {
-    let changes: [fn(&mut OuterResult); 7] = [
+    let changes: [fn(&mut OuterResult); 11] = [
         |r| r.tick = 1,
+        |r| r.attitude.x = 1.0,
         |r| r.landed ^= true,
         |r| r.motors = MotorState::Idle,
         |r| r.motors = MotorState::Run,
+        |r| r.setpoint.attitude.x = 1.0,
         |r| r.setpoint.thrust = 1.0,
         |r| r.setpoint.rate.z = 1.0,
         |r| r.gyro_bias.y = 1.0,
+        |r| r.motor_gain = 1.5,
+        |r| r.parameters = Some(parameters()),
     ];
     let before = result_hash(&OuterResult::default());
     for (index, change) in changes.iter().enumerate() {

@@ -92,7 +92,7 @@ fn the_core_repeats_the_flight() {
                 let output = inner.tick(input, &mut mailboxes);
                 motors.push(output.motors);
                 if let Some(snapshot) = mailboxes.snapshot.take() {
-                    let step = outer.step(&snapshot, &setup.missions);
+                    let step = outer.step(&snapshot, &setup.plans);
                     for (time, view) in &period.views {
                         if let Some(again) = view.again(&snapshot, &step, thrust_max) {
                             assert_eq!(*time, snapshot.time);
@@ -130,14 +130,14 @@ fn the_header_says_it_all() {
     let setup = CoreSetup::new(&log).unwrap();
     assert_eq!(setup.inner, common::config(4000));
     for (index, item) in common::mission().iter().enumerate() {
-        let read = setup.missions.item(PlanKind::Mission, 0, index as u16).unwrap();
+        let read = setup.plans.item(PlanKind::Mission, 0, index as u16).unwrap();
         // NaN with its bits, so not by PartialEq.
         assert_eq!(read.params.map(f32::to_bits), item.params.map(f32::to_bits));
         assert_eq!((read.command, read.x, read.z), (item.command, item.x, item.z));
     }
     assert_eq!(
         setup
-            .missions
+            .plans
             .item(PlanKind::Mission, 0, common::mission().len() as u16),
         None
     );

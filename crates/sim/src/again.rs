@@ -6,7 +6,7 @@ use windhover_autopilot::Parameters;
 use windhover_flight_log::reader::Log;
 use windhover_sim::replay::{self, Change};
 
-use crate::options::Replay;
+use crate::options::{Replay, Setting};
 use crate::output;
 
 /// Replays a log and says how that went; whether every output was equal.
@@ -45,11 +45,7 @@ fn apply(asked: &Replay, parameters: &mut Parameters) {
 }
 
 fn tell(asked: &Replay, change: &Change) -> String {
-    let settings: Vec<String> = asked
-        .with
-        .iter()
-        .map(|s| format!("{} = {}", s.name(), s.value))
-        .collect();
+    let settings: Vec<String> = asked.with.iter().map(Setting::to_string).collect();
     let percent = |share: f64| share * 100.0;
     let changed = change.changed as f64 / windhover_math::max(change.commands, 1) as f64;
     format!(

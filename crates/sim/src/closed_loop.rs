@@ -1,6 +1,5 @@
 //! The core and the world, tick by tick: what the firmware does with interrupts and tasks.
 
-use windhover_autopilot::mission::{MissionItem, Plans};
 use windhover_autopilot::{
     ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer,
     OuterResult, ScheduleRecord, Snapshot, Urgent,
@@ -11,28 +10,7 @@ use windhover_model::random::Random;
 use windhover_model::{Truth, World};
 
 use crate::sensors::Sensing;
-
-/// What is stored on board.
-#[derive(Clone, Debug, Default)]
-pub struct Stored {
-    /// The mission.
-    pub mission: Vec<MissionItem>,
-    /// The fence.
-    pub fence: Vec<MissionItem>,
-    /// Rally points.
-    pub rally: Vec<MissionItem>,
-}
-
-impl Stored {
-    /// As the core reads it.
-    pub fn plans(&self) -> Plans<'_> {
-        Plans {
-            mission: &self.mission,
-            fence: &self.fence,
-            rally: &self.rally,
-        }
-    }
-}
+use crate::stored::Stored;
 
 /// Ways in which a real board disturbs the schedule, drawn at random from a seed.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use windhover_autopilot::blocker::Sentence;
 use windhover_autopilot::fence::{self, Fence, FenceRefusal, Rally};
 use windhover_autopilot::mission::nav::Chart;
-use windhover_autopilot::mission::{MissionEvent, PlanKind, Refusal, check, route};
+use windhover_autopilot::mission::{MissionEvent, Refusal, check, route};
 use windhover_autopilot::{
     Command, InnerConfig, InnerInput, MissionCommit, Mode, MotorCommand, Outer, OuterConfig, OuterReport,
     OuterResult, ParameterWrite, Parameters, Phase, Preset, Refused, Row, ScheduleRecord, Snapshot, Stop,
@@ -15,12 +15,12 @@ use windhover_model::{Conditions, Integrator, ModelKind, Truth, Vehicle, World};
 use crate::beliefs::BeliefErrors;
 use crate::closed_loop::{ClosedLoop, Disruption, Recorder};
 use crate::figures::{Axes, ErrorSum, Figures, MotorHash, Photo, distance_to_polyline};
-use crate::mission_file::MissionFile;
+use crate::mission_file::{MissionFile, Place};
 use crate::operator::Operator;
 use crate::report::Event;
 use crate::sensors::{EarthField, Sensing, Sensors, compass_fitting};
 
-/// A vehicle that does not know where it is after so long is not waited for, s.
+/// A vehicle that something keeps from starting for so long is not waited for, s.
 const PATIENCE: f64 = 60.0;
 
 /// A flight that has not come to its end by then is ended, s.
@@ -83,7 +83,7 @@ impl Setup {
         }
     }
 
-    /// The parameter table: defaults, preset, vehicle file.
+    /// The parameter table: defaults, preset, calibrations as of these sensors, vehicle file.
     pub fn parameters(&self) -> Result<Parameters, SetupError> {
         let mut parameters = Parameters::default();
         self.preset.apply(&mut parameters);
@@ -179,9 +179,7 @@ pub struct Flight {
     pub simulated: f64,
     /// True positions at 50 Hz, NED, m.
     pub positions: Vec<Vector3<f64>>,
-    /// What the core tells of, and its log with it: modes and failsafes.
-    pub told: Vec<Event>,
-    /// What happened besides.
+    /// What happened besides what the core tells of in its log.
     pub events: Vec<Event>,
 }
 
@@ -223,7 +221,7 @@ pub fn check_mission(mission: &MissionFile, parameters: &Parameters) -> Result<(
         refusal,
     };
     let of_rally = |(index, refusal)| SetupError::Fence {
-        place: format!("rally point {}", usize::from(index) + 1),
+        place: Place::Rally(usize::from(index) + 1).to_string(),
         refusal,
     };
     let fence = Fence::compile(&source, 0, stored.fence.len() as u16, &frame).map_err(of_fence)?;
@@ -289,12 +287,7 @@ pub fn fly<R: Recorder>(
 /// A vehicle whose plans are committed with the first tick: whoever gives commands may begin.
 pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
     let mut flown = closed_loop(setup, mission)?;
-    let plans = [
-        (PlanKind::Mission, &mission.items),
-        (PlanKind::Fence, &mission.fence),
-        (PlanKind::Rally, &mission.rally),
-    ];
-    for (kind, items) in plans {
+    for (kind, items) in mission.stored().each() {
         if !items.is_empty() {
             let commit = MissionCommit {
                 slot: 0,
@@ -307,8 +300,8 @@ pub fn ready(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupEr
     Ok(flown)
 }
 
-/// A vehicle that is told the truth, armed and about to fly its mission from the ground: for whoever
-/// wants to fly without an operator.
+/// A vehicle that is told the truth, armed and about to fly its mission from the ground: for
+/// whoever wants to fly without an operator.
 pub fn under_way(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, SetupError> {
     let mut flown = ready(setup, mission)?;
     let period = setup.inner_config().k();
@@ -417,15 +410,12 @@ struct Watch {
     /// Since when a vehicle that has flown is at rest on the ground, s.
     on_ground_since: Option<f64>,
     phase: Phase,
-    mode: Mode,
-    failsafe: Option<Row>,
     started: Option<f64>,
     finished: bool,
     refused: Option<String>,
     errors: ErrorSum,
     reached: usize,
     photos: Vec<Photo>,
-    told: Vec<Event>,
     events: Vec<Event>,
     path: Vec<Vector3<f64>>,
     positions: Vec<Vector3<f64>>,
@@ -498,15 +488,12 @@ impl Watch {
             was_airborne: false,
             on_ground_since: None,
             phase: Phase::default(),
-            mode: Mode::default(),
-            failsafe: None,
             started: None,
             finished: false,
             refused: None,
             errors: ErrorSum::default(),
             reached: 0,
             photos: Vec::new(),
-            told: Vec::new(),
             events: Vec::new(),
             path: Vec::new(),
             positions: Vec::new(),
@@ -522,7 +509,7 @@ impl Watch {
         self.started.is_some()
     }
 
-    /// Notes changes of mode and failsafes, and the end of the flight.
+    /// Notes whether it flies, and the end of the flight.
     fn follow_phase(&mut self, truth: &Truth, snapshot: &Snapshot, result: &OuterResult) {
         let report = &result.report;
         let phase = report.phase;
@@ -536,36 +523,15 @@ impl Watch {
         }
         if phase == Phase::Disarmed {
             if self.was_armed && self.disarmed.is_none() {
-                let disarmed = Disarmed {
+                self.disarmed = Some(Disarmed {
                     time: truth.time,
                     failsafe: report.failsafe,
                     in_flight: before == Phase::Flying,
                     imu_missing: snapshot.stopped == Some(Stop::ImuMissing),
-                };
-                self.disarmed = Some(disarmed);
-                self.tell(truth, "disarmed".into());
-                self.tell_failsafe(truth, report.failsafe);
+                });
             }
-            return;
-        }
-        if !self.was_armed {
+        } else {
             self.was_armed = true;
-            self.tell(truth, "armed".into());
-        }
-        self.tell_failsafe(truth, report.failsafe);
-        if core::mem::replace(&mut self.mode, report.mode) != report.mode {
-            self.tell(truth, format!("mode {}", report.mode.name()));
-        }
-    }
-
-    /// Names the failsafe that acts, when that has changed.
-    fn tell_failsafe(&mut self, truth: &Truth, acting: Option<Row>) {
-        if core::mem::replace(&mut self.failsafe, acting) == acting {
-            return;
-        }
-        let text = acting.map(|row| format!("failsafe {}: {}", row.watched().name, row.watched().text));
-        if text.is_some() || self.disarmed.is_none() {
-            self.tell(truth, text.unwrap_or_else(|| "failsafe over".into()));
         }
     }
 
@@ -614,13 +580,6 @@ impl Watch {
                 self.item = self.items;
             }
         }
-    }
-
-    fn tell(&mut self, truth: &Truth, text: String) {
-        self.told.push(Event {
-            time: truth.time as f32,
-            text,
-        });
     }
 
     fn note(&mut self, truth: &Truth, text: String) {
@@ -709,7 +668,6 @@ impl Watch {
             figures,
             simulated: truth.time,
             positions: self.positions,
-            told: self.told,
             events: self.events,
         }
     }

@@ -4,7 +4,7 @@
 //! only it knows: the truth at the times of the views, the conditions of the flight before the
 //! first tick, and its figures after the last. [`crate::flight_report`] reads them back.
 
-use windhover_autopilot::mission::{MissionItem, MissionSource};
+use windhover_autopilot::mission::MissionSource;
 use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Parameters, ScheduleRecord, Snapshot};
 use windhover_flight_log::views::Truth as LoggedTruth;
 use windhover_flight_log::{
@@ -13,9 +13,10 @@ use windhover_flight_log::{
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::Truth;
 
-use crate::closed_loop::{Recorder, Stored};
+use crate::closed_loop::Recorder;
 use crate::flight::Setup;
 use crate::report::{Event, Figure};
+use crate::stored::Stored;
 
 /// Bytes that the logger may hold; the desktop empties it at every outer step.
 const BUFFER: usize = 16_384;
@@ -54,16 +55,11 @@ impl FlightLog {
             .iter()
             .map(|(name, text)| (name.as_str(), InfoValue::Text(text)))
             .collect();
-        let plan = |kind, items: &[MissionItem]| Plan {
+        let plans = stored.each().map(|(kind, items)| Plan {
             kind,
             slot: 0,
             count: items.len() as u16,
-        };
-        let plans = [
-            plan(PlanKind::Mission, &stored.mission),
-            plan(PlanKind::Fence, &stored.fence),
-            plan(PlanKind::Rally, &stored.rally),
-        ];
+        });
         let header = Header {
             time: 0,
             commit: version::COMMIT,

@@ -6,9 +6,10 @@ use windhover_math::Vector3;
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::{Conditions, Truth};
 
-use crate::closed_loop::{ClosedLoop, Recorder, Stored};
+use crate::closed_loop::{ClosedLoop, Recorder};
 use crate::figures::ErrorSum;
 use crate::flight::{Setup, SetupError};
+use crate::stored::Stored;
 
 /// Height above the ground of the middle of the figure, m.
 const HEIGHT: f64 = 5.0;

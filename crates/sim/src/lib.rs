@@ -1,7 +1,8 @@
 //! The desktop program `windhover` as a library: the core in a simulated world.
 //!
 //! - [`mission_file`]: plans and waypoint files as ground stations save them.
-//! - [`closed_loop`]: the core and the world, tick by tick.
+//! - [`stored`]: plans as they are stored on board.
+//! - [`closed_loop`]: the core and the world, tick by tick; [`operator`]: who commands the flight.
 //! - [`recording`]: what the core consumed and commanded, and its replay.
 //! - [`flight`]: a whole mission with its figures; [`lemniscate`]: a figure of eight.
 //! - [`flight_log`]: what a flight leaves behind; [`replay`]: the core again on a log's inputs,
@@ -24,4 +25,5 @@ pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod sensors;
+pub mod stored;
 pub mod terminal;

@@ -73,8 +73,8 @@ impl Operator {
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Mission));
             }
             Stage::Start if mode == Mode::Mission => self.stage = Stage::Mission,
-            // A mission that ends in the air ends in hold; one that returns or lands does so itself,
-            // and what a failsafe does is left to it.
+            // A mission that ends in the air ends in hold; one that returns or lands does so
+            // itself, and what a failsafe does is left to it.
             Stage::Mission if phase == Phase::Flying && mode == Mode::Hold && !is_interrupted(flown) => {
                 self.stage = Stage::Home;
                 flown.mailboxes.queues.command.push(Command::Fly(Mode::Return));

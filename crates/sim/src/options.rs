@@ -1,5 +1,6 @@
 //! The command line: what may be asked for, and what is wrong with what was asked for.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -170,6 +171,8 @@ pub struct PageArgs {
 pub struct Setting {
     /// Index in the table.
     pub index: usize,
+    /// Its name.
+    pub name: &'static str,
     /// The value, inside the range.
     pub value: f32,
 }
@@ -179,23 +182,24 @@ impl FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) = text.split_once('=').ok_or("NAME=VALUE is wanted")?;
-        let unknown = || format!("there is no parameter {name}; `windhover parameters` lists them");
-        let index = Parameters::find(name).ok_or_else(unknown)?;
+        let (index, declaration) = Parameters::declarations()
+            .enumerate()
+            .find(|(_, declaration)| declaration.name == name)
+            .ok_or_else(|| reference::unknown(name))?;
         let value: f32 = value
             .parse()
             .map_err(|_| format!("{name}: '{value}' is not a number"))?;
-        let declaration = Parameters::declaration(index).ok_or_else(unknown)?;
         declaration
             .check(value)
             .map_err(|refusal| format!("{name}: {refusal}"))?;
-        Ok(Self { index, value })
+        let name = declaration.name;
+        Ok(Self { index, name, value })
     }
 }
 
-impl Setting {
-    /// The parameter's name.
-    pub fn name(&self) -> &'static str {
-        Parameters::declaration(self.index).map_or("?", |declaration| declaration.name)
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.name, self.value)
     }
 }
 
@@ -368,8 +372,8 @@ impl Fly {
         let conditions = self.conditions()?;
         let mut vehicle = read_vehicle(&self.vehicle)?;
         for setting in &self.set {
-            let (name, value) = (setting.name().to_owned(), f64::from(setting.value));
-            vehicle.parameters.insert(name, value);
+            let value = f64::from(setting.value);
+            vehicle.parameters.insert(setting.name.to_owned(), value);
         }
         let (mission_name, mut mission) = self.mission()?;
         if matches!(self.model, ModelName::Simple) {
@@ -397,11 +401,7 @@ impl Fly {
             mission,
             mission_name,
             vehicle_name: self.vehicle.clone(),
-            set: self
-                .set
-                .iter()
-                .map(|setting| format!("{}={}", setting.name(), setting.value))
-                .collect(),
+            set: self.set.iter().map(Setting::to_string).collect(),
             model: format!("{:?}", self.model).to_lowercase(),
             preset: format!("{:?}", self.preset).to_lowercase(),
         })
@@ -524,7 +524,7 @@ mod tests {
     #[test]
     fn settings_are_inside_their_ranges() {
         let setting: Setting = "NAV_RCL_ACT=3".parse().unwrap();
-        assert_eq!((setting.name(), setting.value), ("NAV_RCL_ACT", 3.0));
+        assert_eq!((setting.name, setting.value), ("NAV_RCL_ACT", 3.0));
         for (wrong, words) in [
             ("NAV_RCL_ACT", "NAME=VALUE is wanted"),
             ("NAV_RCL_ACT=", "'' is not a number"),

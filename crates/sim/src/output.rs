@@ -8,7 +8,7 @@ use windhover_sim::figures::{Axes, Figures};
 use windhover_sim::flight::Flight;
 use windhover_sim::flight_log::FlightLog;
 use windhover_sim::flight_report;
-use windhover_sim::report::{self, Figure};
+use windhover_sim::report::{self, Event, Figure, Report};
 
 use crate::options::{Fly, Request};
 
@@ -18,30 +18,32 @@ pub struct Files {
     pub log: PathBuf,
     /// The report, made from the log.
     pub report: PathBuf,
+    /// What happened on the way, as the report tells it.
+    pub events: Vec<Event>,
 }
 
 /// Writes flight.ulg, report.html and figures.json.
 pub fn write(fly: &Fly, request: &Request, flight: &Flight, log: FlightLog) -> Result<Files, String> {
     let folder = fly.folder(&request.mission_name);
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let files = Files {
-        log: folder.join("flight.ulg"),
-        report: folder.join("report.html"),
-    };
+    let log_name = folder.join("flight.ulg");
+    let report_name = folder.join("report.html");
     let mut rows = rows(&flight.figures);
     rows.push(row("ended", flight.figures.ended.clone(), ""));
     let bytes = log.finish(&rows, &flight.events);
-    save(&files.log, &bytes)?;
+    save(&log_name, &bytes)?;
     let name = request.mission_name.file_stem().unwrap_or("mission".as_ref());
-    save(
-        &files.report,
-        page(&bytes, &name.to_string_lossy(), &files.log)?.as_bytes(),
-    )?;
+    let report = report_of(&bytes, &name.to_string_lossy(), &log_name)?;
+    save(&report_name, report::html(&report).as_bytes())?;
     save(
         &folder.join("figures.json"),
         (json(&flight.figures) + "\n").as_bytes(),
     )?;
-    Ok(files)
+    Ok(Files {
+        log: log_name,
+        report: report_name,
+        events: report.events,
+    })
 }
 
 /// Writes the report of a log beside it, or where `out` says; where that is.
@@ -49,7 +51,7 @@ pub fn report(log: &Path, out: Option<&Path>) -> Result<PathBuf, String> {
     let bytes = read(log)?;
     let title = log.file_stem().unwrap_or("flight".as_ref()).to_string_lossy();
     let to = out.map_or_else(|| log.with_extension("html"), Path::to_path_buf);
-    save(&to, page(&bytes, &title, log)?.as_bytes())?;
+    save(&to, report::html(&report_of(&bytes, &title, log)?).as_bytes())?;
     Ok(to)
 }
 
@@ -62,9 +64,9 @@ fn save(path: &Path, bytes: &[u8]) -> Result<(), String> {
     std::fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-fn page(bytes: &[u8], title: &str, name: &Path) -> Result<String, String> {
+fn report_of(bytes: &[u8], title: &str, name: &Path) -> Result<Report, String> {
     let log = Log::open(bytes).map_err(|e| format!("{}: {e}", name.display()))?;
-    Ok(report::html(&flight_report::report(&log, title)))
+    Ok(flight_report::report(&log, title))
 }
 
 /// The conditions of a flight, for people.
@@ -124,7 +126,7 @@ pub fn text(request: &Request, flight: &Flight, files: &Files) -> String {
     for note in &request.mission.notes {
         let _ = writeln!(text, "note: {note}");
     }
-    text.push_str(&events(flight, &files.report));
+    text.push_str(&events(files));
     let rows = rows(&flight.figures);
     let width = rows
         .iter()
@@ -140,9 +142,9 @@ pub fn text(request: &Request, flight: &Flight, files: &Files) -> String {
 }
 
 /// What happened on the way, a line each.
-fn events(flight: &Flight, page: &Path) -> String {
+fn events(files: &Files) -> String {
     const MOST: usize = 40;
-    let all = report::ordered([flight.told.as_slice(), &flight.events].concat());
+    let all = &files.events;
     let mut text = String::new();
     for event in all.iter().take(MOST) {
         let _ = writeln!(text, "{:7.1} s  {}", event.time, event.text);
@@ -153,7 +155,7 @@ fn events(flight: &Flight, page: &Path) -> String {
             "{:9}  and {} more: {}",
             "",
             all.len() - MOST,
-            page.display()
+            files.report.display()
         );
     }
     text.push('\n');

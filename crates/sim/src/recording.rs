@@ -6,7 +6,8 @@ use windhover_autopilot::{
 };
 use windhover_model::Truth;
 
-use crate::closed_loop::{Recorder, Stored};
+use crate::closed_loop::Recorder;
+use crate::stored::Stored;
 
 /// Everything that the core consumed, and what it commanded.
 #[derive(Clone, Debug, Default)]

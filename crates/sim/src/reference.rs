@@ -7,7 +7,7 @@ mod parameters;
 use std::fmt::Write;
 
 pub use failsafes::{failsafes, failsafes_page};
-pub use parameters::{parameters, parameters_page};
+pub use parameters::{parameters, parameters_page, unknown};
 
 /// A value as it is read best: no row of zeros.
 fn value(value: f32) -> String {

@@ -4,7 +4,7 @@ use windhover_autopilot::{
     Inner, InnerParameters, Mailboxes, MotorCommand, Outer, OuterResult, Parameters, Snapshot,
 };
 use windhover_flight_log::reader::{
-    CoreSetup, Log, MissionStore, Period, Periods, Reason, SetupError, Step, difference,
+    CoreSetup, Log, Period, Periods, PlanStore, Reason, SetupError, Step, difference,
 };
 use windhover_flight_log::{LoggerConfig, View, period_hash, result_hash};
 
@@ -155,7 +155,7 @@ struct Core {
     inner: Inner,
     outer: Outer,
     mailboxes: Mailboxes,
-    missions: MissionStore,
+    plans: PlanStore,
     /// The outer step's last work, and its result until it is adopted.
     last: Option<(Snapshot, OuterResult)>,
     pending: Option<OuterResult>,
@@ -170,7 +170,7 @@ impl Core {
             inner: Inner::new(setup.inner, inner),
             outer,
             mailboxes: Mailboxes::default(),
-            missions: setup.missions.clone(),
+            plans: setup.plans.clone(),
             last: None,
             pending: None,
             thrust_max: LoggerConfig::new(setup.inner, &setup.parameters).thrust_max,
@@ -180,7 +180,7 @@ impl Core {
     /// One period: the schedule follows the record.
     fn period(&mut self, period: &Period) -> Outputs {
         for item in &period.items {
-            self.missions.put(item);
+            self.plans.put(item);
         }
         if period.record.adopted {
             self.mailboxes.result = self.pending.take();
@@ -193,7 +193,7 @@ impl Core {
         for input in &period.ticks {
             motors.push(self.inner.tick(input, &mut self.mailboxes).motors);
             if let Some(snapshot) = self.mailboxes.snapshot.take() {
-                let result = self.outer.step(&snapshot, &self.missions);
+                let result = self.outer.step(&snapshot, &self.plans);
                 self.pending = Some(result.clone());
                 self.last = Some((snapshot, result));
             }

@@ -187,9 +187,10 @@ pub fn compass_fitting() -> CompassFitting {
     }
 }
 
-/// A channel of CRSF as a pulse, µs: 988 at 172, 2012 at 1811 (CRSF, RC_CHANNELS_PACKED).
+/// A channel of CRSF as a pulse, µs: 987 at 172, 2011 at 1811, cut to whole ones (CRSF,
+/// RC_CHANNELS_PACKED).
 fn pulse(channel: u16) -> u16 {
-    (i32::from(channel) * 5 / 8 + 880).clamp(0, i32::from(u16::MAX)) as u16
+    (u32::from(channel) * 5 / 8 + 880) as u16
 }
 
 /// A receiver's message that came at `time` µs.

@@ -1,6 +1,6 @@
 //! What a log says of an outer result: views for people, each a message of its own.
 
-use windhover_autopilot::{Imu, Mode, MotorCommand, OuterResult, Row, Snapshot};
+use windhover_autopilot::{Imu, MotorCommand, OuterResult, Snapshot};
 
 use super::{LONGEST, LoggerConfig, SLOW};
 use crate::record::{Topic, data};
@@ -33,7 +33,6 @@ pub struct Reporter {
     steps: u32,
     phase: Option<(FlightPhase, bool)>,
     leg: Option<Leg>,
-    said: (Mode, Option<Row>),
     counts: TickCounts,
 }
 
@@ -77,7 +76,6 @@ impl Reporter {
             steps: 0,
             phase: None,
             leg: None,
-            said: Default::default(),
             counts: TickCounts::default(),
         }
     }
@@ -150,8 +148,8 @@ impl Reporter {
         out: &mut Out<'_, F>,
     ) {
         let phase = (FlightPhase::new(snapshot, result), result.landed);
-        if due || self.phase != Some(phase) {
-            self.phase = Some(phase);
+        let before = self.phase.replace(phase);
+        if due || before != Some(phase) {
             out.view(&phase.0);
             out.view(&VehicleStatus::new(result));
             out.view(&VehicleLandDetected::new(result));
@@ -163,23 +161,9 @@ impl Reporter {
                 out.view(&BatteryStatus::new(result));
             }
         }
-        self.say(result, out);
-        let leg = result.report.leg_end.map(|destination| Leg { destination });
-        if leg.is_some() && leg != self.leg {
-            self.leg = leg;
-            if let Some(leg) = leg {
-                out.view(&leg);
-            }
-        }
-    }
-
-    /// Names the mode and the failsafe that acts, when they have changed.
-    fn say<F: FnMut(&[u8])>(&mut self, result: &OuterResult, out: &mut Out<'_, F>) {
-        let report = &result.report;
-        let now = (report.mode, report.failsafe);
-        let before = core::mem::replace(&mut self.said, now);
-        if now.1 != before.1 {
-            match now.1 {
+        let (before, _) = before.unwrap_or_default();
+        if phase.0.failsafe != before.failsafe {
+            match result.report.failsafe {
                 Some(row) => {
                     let watched = row.watched();
                     out.text(b'4', &["failsafe ", watched.name, ": ", watched.text]);
@@ -187,8 +171,15 @@ impl Reporter {
                 None => out.text(b'6', &["failsafe over"]),
             }
         }
-        if now.0 != before.0 {
-            out.text(b'6', &["mode ", now.0.name()]);
+        if phase.0.mode != before.mode {
+            out.text(b'6', &["mode ", result.report.mode.name()]);
+        }
+        let leg = result.report.leg_end.map(|destination| Leg { destination });
+        if leg.is_some() && leg != self.leg {
+            self.leg = leg;
+            if let Some(leg) = leg {
+                out.view(&leg);
+            }
         }
     }
 }

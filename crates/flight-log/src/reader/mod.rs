@@ -22,4 +22,4 @@ pub use entries::{Entries, Entry};
 pub use log::{Info, Log};
 pub use messages::{Message, Messages};
 pub use periods::{Period, Periods, Step};
-pub use setup::{CoreSetup, MissionStore, SetupError};
+pub use setup::{CoreSetup, PlanStore, SetupError};

@@ -27,8 +27,8 @@ pub struct CoreSetup {
     pub parameters: Parameters,
     /// For the outer step.
     pub outer: OuterConfig,
-    /// The stored missions.
-    pub missions: MissionStore,
+    /// The stored plans.
+    pub plans: PlanStore,
 }
 
 /// Why a log does not say what the core was made with.
@@ -99,7 +99,7 @@ impl CoreSetup {
             inner,
             parameters: parameters(log)?,
             outer: outer(log)?,
-            missions: missions(log)?,
+            plans: plans(log)?,
         })
     }
 }
@@ -149,8 +149,8 @@ fn parameters(log: &Log<'_>) -> Result<Parameters, SetupError> {
     }
 }
 
-fn missions(log: &Log<'_>) -> Result<MissionStore, SetupError> {
-    let mut store = MissionStore::default();
+fn plans(log: &Log<'_>) -> Result<PlanStore, SetupError> {
+    let mut store = PlanStore::default();
     for item in log.items() {
         store.put(item);
     }
@@ -171,11 +171,11 @@ fn missions(log: &Log<'_>) -> Result<MissionStore, SetupError> {
 
 /// Plans as they are stored on board, by kind and slot.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct MissionStore {
+pub struct PlanStore {
     items: BTreeMap<(u8, u8, u16), MissionItem>,
 }
 
-impl MissionStore {
+impl PlanStore {
     /// Stores an item.
     pub fn put(&mut self, item: &PlanItem) {
         if self.items.len() < MOST {
@@ -185,7 +185,7 @@ impl MissionStore {
     }
 }
 
-impl MissionSource for MissionStore {
+impl MissionSource for PlanStore {
     fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
         self.items.get(&(kind.code(), slot, index)).copied()
     }

@@ -167,8 +167,8 @@ views! {
     FlightPhase = 40, "phase" {
         /// 0 disarmed, 1 armed, 2 flying, 3 landed.
         phase: u8,
-        /// As `Mode` counts them: 0 stabilize, 1 altitude, 2 position, 3 takeoff, 4 hold, 5 mission,
-        /// 6 return, 7 land, 8 offboard, 9 descend.
+        /// As `Mode` counts them: 0 stabilize, 1 altitude, 2 position, 3 takeoff, 4 hold,
+        /// 5 mission, 6 return, 7 land, 8 offboard, 9 descend.
         mode: u8,
         /// The row of the failsafes' table that acts, from 1; 0 none.
         failsafe: u8,
@@ -178,7 +178,8 @@ views! {
         blockers: u32,
         /// 0 disarmed, 1 idle, 2 run.
         motors: u8,
-        /// Why the inner step keeps the motors stopped: 0 it does not, 1 kill, 2 disarm, 3 no samples.
+        /// Why the inner step keeps the motors stopped: 0 it does not, 1 kill, 2 disarm,
+        /// 3 no samples.
         stop: u8,
     }
     /// Something that happened in the mission.
@@ -209,7 +210,8 @@ views! {
         /// mission, 6 one of the fence, 7 not a number, 8 the place, 9 armed. Parameter: 1 unknown,
         /// 2 out of range, 3 inconsistent.
         reason: u8,
-        /// Parameter: its index. Command: the item, or the row of the failsafes' table.
+        /// Parameter: its index. Command: the item, or the row of the failsafes' table, from 0
+        /// (where `phase` counts rows from 1).
         index: u16,
         /// Command: what speaks against it, a bit each.
         blockers: u32,

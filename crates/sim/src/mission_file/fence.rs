@@ -9,7 +9,7 @@ use super::MissionFile;
 use super::convert::{self, RawItem};
 use super::error::{Place, Problem};
 use super::json::Json;
-use super::plan::{Node, number};
+use super::plan::Node;
 
 /// MAVLink's frames with heights above the sea, and above home.
 const GLOBAL: u8 = 0;
@@ -17,7 +17,11 @@ const GLOBAL_RELATIVE: u8 = 3;
 
 /// Reads `geoFence`; absent, null and an empty one of an old format all say that there is none.
 pub(super) fn fence(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
-    let Some(section) = section(top, "geoFence", &["polygons", "circles", "polygon"])? else {
+    let is_empty = |json: &Json| {
+        let no_return = matches!(json.get("breachReturn"), None | Some(Json::Null));
+        no_return && are_empty(json, &["polygons", "circles", "polygon"])
+    };
+    let Some(section) = section(top, "geoFence", is_empty)? else {
         return Ok(());
     };
     let [polygons, circles] = [section.list("polygons")?, section.list("circles")?];
@@ -26,7 +30,8 @@ pub(super) fn fence(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
         return Err(too_many(shapes, MAX_SHAPES, "shapes in its geofence"));
     }
     for (index, json) in polygons.0.iter().enumerate() {
-        polygon(&Node::new(json, Place::Polygon(index + 1)), file)?;
+        let number = index + 1;
+        polygon(&Node::new(json, Place::Polygon(number)), number, file)?;
     }
     for (index, json) in circles.0.iter().enumerate() {
         circle(&Node::new(json, Place::Circle(index + 1)), file)?;
@@ -39,7 +44,7 @@ pub(super) fn fence(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
 
 /// Reads `rallyPoints`.
 pub(super) fn rally(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
-    let Some(section) = section(top, "rallyPoints", &["points"])? else {
+    let Some(section) = section(top, "rallyPoints", |json| are_empty(json, &["points"]))? else {
         return Ok(());
     };
     let (points, count) = section.list("points")?;
@@ -48,7 +53,7 @@ pub(super) fn rally(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
     }
     for (index, json) in points.iter().enumerate() {
         let node = Node::new(json, Place::Rally(index + 1));
-        let [latitude, longitude, height] = position(&node, json, true)?;
+        let [latitude, longitude, height] = node.position("position", json, true)?;
         let raw = RawItem {
             command: command::RALLY_POINT,
             frame: GLOBAL_RELATIVE,
@@ -60,28 +65,35 @@ pub(super) fn rally(top: &Node, file: &mut MissionFile) -> Result<(), Problem> {
     Ok(())
 }
 
-/// A part of the plan beside its mission, if there is anything in it: version 2 of it. A fence in a
-/// format that is not read must not be left out without a word.
-fn section<'a>(top: &Node<'a>, name: &str, lists: &[&str]) -> Result<Option<Node<'a>>, Problem> {
+/// A part of the plan beside its mission, unless it is empty: version 2 of it. A fence in a format
+/// that is not read must not be left out without a word.
+fn section<'a>(
+    top: &Node<'a>,
+    name: &str,
+    is_empty: impl Fn(&Json) -> bool,
+) -> Result<Option<Node<'a>>, Problem> {
     let json = match top.json.get(name) {
         None | Some(Json::Null) => return Ok(None),
         Some(json @ Json::Object(_)) => json,
         Some(other) => return Err(top.wrong(name, other, "an object")),
     };
-    let node = Node::new(json, Place::File);
-    let is_empty = |list: &&str| match json.get(list) {
-        None | Some(Json::Null) => true,
-        Some(Json::List { len, .. }) => *len == 0,
-        Some(_) => false,
-    };
-    if lists.iter().all(is_empty) && matches!(json.get("breachReturn"), None | Some(Json::Null)) {
+    if is_empty(json) {
         return Ok(None);
     }
+    let node = Node::new(json, Place::File);
     node.version("version", &format!("{name} version"), &[2.0], "version 2")?;
     Ok(Some(node))
 }
 
-fn polygon(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
+fn are_empty(json: &Json, lists: &[&str]) -> bool {
+    lists.iter().all(|list| match json.get(list) {
+        None | Some(Json::Null) => true,
+        Some(Json::List { len, .. }) => *len == 0,
+        Some(_) => false,
+    })
+}
+
+fn polygon(node: &Node, polygon: usize, file: &mut MissionFile) -> Result<(), Problem> {
     shape_version(node)?;
     let inclusion = node.boolean("inclusion")?;
     let (vertices, count) = node.list("polygon")?;
@@ -96,9 +108,6 @@ fn polygon(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
     if all > MAX_VERTICES {
         return Err(too_many(all, MAX_VERTICES, "vertices in its geofence"));
     }
-    let Place::Polygon(polygon) = node.place else {
-        return Ok(());
-    };
     for (index, json) in vertices.iter().enumerate() {
         let vertex = index + 1;
         let node = Node::new(json, Place::Vertex { polygon, vertex });
@@ -107,7 +116,7 @@ fn polygon(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
         } else {
             command::POLYGON_VERTEX_EXCLUSION
         };
-        let [latitude, longitude, _] = position(&node, json, false)?;
+        let [latitude, longitude, _] = node.position("position", json, false)?;
         file.push_fence(
             RawItem {
                 command,
@@ -126,7 +135,7 @@ fn circle(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
     let inclusion = node.boolean("inclusion")?;
     let inner = Node::new(node.need("circle")?, node.place.clone());
     let centre = inner.need("center")?;
-    let [latitude, longitude, _] = position(&inner, centre, false)?;
+    let [latitude, longitude, _] = inner.position("position", centre, false)?;
     let radius = match inner.need("radius")? {
         Json::Number(radius) => *radius,
         other => return Err(inner.wrong("radius", other, "a number")),
@@ -147,7 +156,7 @@ fn circle(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
 
 /// Uploaded as any other item; a return leads home or to a rally point all the same.
 fn breach_return(node: &Node, file: &mut MissionFile) -> Result<(), Problem> {
-    let [latitude, longitude, height] = position(node, node.json, true)?;
+    let [latitude, longitude, height] = node.position("position", node.json, true)?;
     let note = "the plan's breach return point is not used: a return leads home or to a rally point";
     file.notes.push(note.into());
     let raw = RawItem {
@@ -165,26 +174,6 @@ fn shape_version(node: &Node) -> Result<(), Problem> {
         None => Ok(()),
         Some(_) => node.version("version", "version", &[1.0], "version 1"),
     }
-}
-
-/// Latitude, longitude and height; the height may be left out unless it is needed.
-fn position(node: &Node, json: &Json, needs_height: bool) -> Result<[f64; 3], Problem> {
-    let wanted = if needs_height {
-        "latitude, longitude and height"
-    } else {
-        "latitude and longitude"
-    };
-    let Json::List { kept, len } = json else {
-        return Err(node.wrong("position", json, wanted));
-    };
-    if *len != 3 && (needs_height || *len != 2) {
-        return Err(node.wrong("position", json, wanted));
-    }
-    let mut values = [0.0; 3];
-    for (value, json) in values.iter_mut().zip(kept) {
-        *value = number(json).ok_or_else(|| node.wrong("position", json, "a number"))?;
-    }
-    Ok(values)
 }
 
 fn too_many(count: usize, most: usize, what: &'static str) -> Problem {

@@ -1,5 +1,6 @@
 //! Mission files that ground stations save: QGroundControl's `.plan` with its geofence and rally
-//! points, and the waypoint file `QGC WPL 110`, told apart by their first bytes, whatever their names.
+//! points, and the waypoint file `QGC WPL 110`, told apart by their first bytes, whatever their
+//! names.
 //!
 //! Reading checks that a file says what an item is; whether the vehicle flies it is for the
 //! core to say (`windhover_autopilot::mission`). Memory is bounded whatever is in the file.
@@ -17,7 +18,7 @@ use std::path::Path;
 
 use windhover_autopilot::mission::item::MissionItem;
 
-use crate::closed_loop::Stored;
+use crate::stored::Stored;
 use convert::RawItem;
 
 pub use error::{Field, MissionFileError, Place, Problem};

@@ -135,14 +135,7 @@ fn home(mission: &Node) -> Result<Option<Position>, Problem> {
         None | Some(Json::Null) => return Ok(None),
         Some(list) => list,
     };
-    let Json::List { kept, len: 2 | 3 } = list else {
-        return Err(mission.wrong(FIELD, list, "latitude, longitude and altitude"));
-    };
-    let mut values = [0.0; 3];
-    for (value, json) in values.iter_mut().zip(kept) {
-        *value = number(json).ok_or_else(|| mission.wrong(FIELD, json, "a number"))?;
-    }
-    let [lat, lon, alt] = values;
+    let [lat, lon, alt] = mission.position(FIELD, list, false)?;
     if lat.is_nan() || lon.is_nan() || (lat == 0.0 && lon == 0.0) {
         return Ok(None);
     }
@@ -281,6 +274,25 @@ impl<'a> Node<'a> {
         Ok(params)
     }
 
+    /// Latitude, longitude and height; the height may be left out unless it is needed, and is 0
+    /// then.
+    pub(super) fn position(&self, name: &str, json: &Json, needs_height: bool) -> Result<[f64; 3], Problem> {
+        let (least, wanted) = if needs_height {
+            (3, "latitude, longitude and height")
+        } else {
+            (2, "latitude and longitude")
+        };
+        let kept = match json {
+            Json::List { kept, len } if (least..=3).contains(len) => kept,
+            _ => return Err(self.wrong(name, json, wanted)),
+        };
+        let mut values = [0.0; 3];
+        for (value, json) in values.iter_mut().zip(kept) {
+            *value = number(json).ok_or_else(|| self.wrong(name, json, "a number"))?;
+        }
+        Ok(values)
+    }
+
     /// Refuses every version but those in `versions`.
     pub(super) fn version(
         &self,
@@ -302,7 +314,7 @@ impl<'a> Node<'a> {
 }
 
 /// A number, or NaN for null.
-pub(super) fn number(json: &Json) -> Option<f64> {
+fn number(json: &Json) -> Option<f64> {
     match json {
         Json::Number(value) => Some(*value),
         Json::Null => Some(f64::NAN),

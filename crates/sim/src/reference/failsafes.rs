@@ -28,8 +28,9 @@ over; elsewhere somebody has to choose it.
 
 Parameters in brackets set what stands before them; the table shows their defaults, and
 [parameters](parameters.md) tells their values. Some conditions have a time or a threshold of their own:
-`COM_RC_LOSS_T`, `COM_POS_LOST_T`, `COM_OF_LOSS_T`, `FD_FAIL_TILT`, `BAT_LOW_THR`, `BAT_CRIT_THR`,
-`BAT_EMERGEN_THR`, `COM_RANGE_MARGIN`, and all of `GF_`.
+`COM_RC_LOSS_T`, `COM_POS_LOST_T`, `COM_OF_LOSS_T`, `FD_FAIL_TILT`, `FD_FAIL_HEIGHT` (which of the two
+rows on tumbling it is), `BAT_LOW_THR`, `BAT_CRIT_THR`, `BAT_EMERGEN_THR`, `COM_RANGE_MARGIN`, and all of
+`GF_`.
 
 To try one on the desktop: `windhover fly --rc --fault rc-dropout@60 --set NAV_RCL_ACT=3`, or
 `--battery 40 --set BAT_CRIT_THR=0.3`, or `--fault gnss-dropout@60`; `windhover faults` lists what can fail.
@@ -154,9 +155,12 @@ mod tests {
     /// The names of parameters and faults that the head gives are such.
     #[test]
     fn the_head_names_what_there_is() {
-        let words = HEAD.split('`').skip(1).step_by(2);
-        let is_name =
-            |word: &&str| !word.ends_with('_') && word.bytes().all(|b| b.is_ascii_uppercase() || b == b'_');
+        let code = HEAD.split('`').skip(1).step_by(2);
+        let words = code.flat_map(|code| code.split([' ', '=']));
+        let is_name = |word: &&str| {
+            let is_of_names = |b: u8| b.is_ascii_uppercase() || b == b'_';
+            word.contains('_') && !word.ends_with('_') && word.bytes().all(is_of_names)
+        };
         for word in words.filter(is_name) {
             assert!(Parameters::find(word).is_some(), "{word}");
         }

@@ -32,9 +32,7 @@ pub fn parameters(words: &[String]) -> Result<String, String> {
     let words: Vec<String> = words.iter().map(|word| word.to_uppercase()).collect();
     let stands = |word: &String| Parameters::declarations().any(|d| d.name.contains(word.as_str()));
     if let Some(word) = words.iter().find(|word| !stands(word)) {
-        return Err(format!(
-            "there is no parameter {word}; windhover parameters lists them all"
-        ));
+        return Err(unknown(word));
     }
     let is_wanted = |declaration: &&Declaration| {
         words.is_empty() || words.iter().any(|word| declaration.name.contains(word.as_str()))
@@ -42,6 +40,11 @@ pub fn parameters(words: &[String]) -> Result<String, String> {
     let mut rows = vec![row(["name", "default", "range", "unit", "meaning"])];
     rows.extend(Parameters::declarations().filter(is_wanted).map(cells));
     Ok(columns(&rows))
+}
+
+/// One line for somebody who named a parameter that there is not.
+pub fn unknown(name: &str) -> String {
+    format!("there is no parameter {name}; `windhover parameters` lists them")
 }
 
 /// The page `docs/parameters.md`.

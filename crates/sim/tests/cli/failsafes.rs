@@ -140,6 +140,6 @@ fn tables_are_listed() {
     assert_eq!(unknown.status.code(), Some(2));
     assert_eq!(
         stderr(&unknown),
-        "error: there is no parameter SPEEDY; windhover parameters lists them all\n"
+        "error: there is no parameter SPEEDY; `windhover parameters` lists them\n"
     );
 }

@@ -84,6 +84,7 @@ fn without_arguments_it_flies_the_default_mission() {
         "mode mission",
         "mode return",
         "mode land",
+        "landed",
         "disarmed",
     ];
     let places = order.map(|what| told(what).unwrap_or_else(|| panic!("no {what:?} in {text}")));

@@ -1,6 +1,8 @@
-//! Geofences and rally points of a plan: as QGroundControl uploads them, and what is wrong with them.
+//! Geofences and rally points of a plan: as QGroundControl uploads them, and what is wrong with
+//! them.
 
 use proptest::prelude::*;
+use windhover_autopilot::fence::{MAX_RALLY, MAX_VERTICES};
 use windhover_autopilot::mission::MissionItem;
 use windhover_sim::mission_file::MissionFile;
 
@@ -15,9 +17,12 @@ fn fenced(polygons: &str, circles: &str) -> String {
     text.replacen("\"circles\": [", &format!("\"circles\": [ {circles}"), 1)
 }
 
+/// Where the sample plan's rally points begin.
+const POINTS: &str = "\"points\": [";
+
 /// The sample plan with these rally points.
 fn rallied(points: &str) -> String {
-    edited("\"points\": [", &format!("\"points\": [ {points}"))
+    edited(POINTS, &format!("{POINTS} {points}"))
 }
 
 fn polygon(inclusion: bool, vertices: &str) -> String {
@@ -262,17 +267,22 @@ proptest! {
         vertices in proptest::collection::vec((-100.0..100.0_f64, -200.0..200.0_f64), 0..100),
         radius: f64,
         inclusion: bool,
+        rally in proptest::collection::vec((-90.0..90.0_f64, -180.0..180.0_f64, -100.0..100.0_f64), 0..12),
         damage in proptest::option::of((any::<prop::sample::Index>(), any::<u8>())),
     ) {
         let vertices: Vec<String> = vertices.iter().map(|(lat, lon)| format!("[{lat}, {lon}]")).collect();
-        let text = fenced(&polygon(inclusion, &format!("[{}]", vertices.join(", "))), &circle(inclusion, &radius.to_string()));
+        let polygon = polygon(inclusion, &format!("[{}]", vertices.join(", ")));
+        let rally: Vec<String> = rally.iter().map(|(lat, lon, height)| format!("[{lat}, {lon}, {height}]")).collect();
+        let text = fenced(&polygon, &circle(inclusion, &radius.to_string()));
+        let text = text.replacen(POINTS, &format!("{POINTS} {}", rally.join(", ")), 1);
         let mut bytes = text.into_bytes();
         if let Some((at, value)) = damage {
             let at = at.index(bytes.len());
             bytes[at] = value;
         }
         match parse(&bytes) {
-            Ok(file) => prop_assert!(file.fence.len() <= 100 && file.rally.len() <= 8),
+            // The circle is an item too.
+            Ok(file) => prop_assert!(file.fence.len() <= MAX_VERTICES + 1 && file.rally.len() <= MAX_RALLY),
             Err(message) => prop_assert!(!message.contains('\n') && message.chars().count() < 500),
         }
     }

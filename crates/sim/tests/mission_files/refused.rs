@@ -166,7 +166,7 @@ fn fields_of_a_plan_that_are_missing_or_wrong() {
         (
             "            47.3977507,\n            8.5456075,\n            488.93101752001763",
             "1",
-            "plannedHomePosition: found a list of 1, latitude, longitude and altitude is needed",
+            "plannedHomePosition: found a list of 1, latitude and longitude is needed",
         ),
     ];
     for (from, to, message) in cases {

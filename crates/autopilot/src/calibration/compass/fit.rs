@@ -1,9 +1,11 @@
-//! The shell that samples lie on: a sphere to begin with, then an ellipsoid, by weighted least squares.
+//! The shell that samples lie on: a sphere to begin with, then an ellipsoid, by weighted least
+//! squares.
 //!
 //! Samples are taken about the centre of the shell before and in units of its size, so that all
 //! unknowns are small and single precision is enough. The quadric is written as
-//! x² + y² + z² = p·(x² + y² − 2z²) + q·(x² + z² − 2y²) + 2(r·xy + s·xz + t·yz) + 2(u·x + v·y + w·z) + k:
-//! unlike "… = 1" it also holds for a surface that passes through the origin.
+//! x² + y² + z² = p·(x² + y² − 2z²) + q·(x² + z² − 2y²) + 2(r·xy + s·xz + t·yz) +
+//! 2(u·x + v·y + w·z) + k: unlike "… = 1" it also holds for a surface that passes through the
+//! origin.
 
 use windhover_math::scalar::norm;
 use windhover_math::{Matrix3, Vector3, sqrt};
@@ -31,8 +33,8 @@ pub(super) struct Quality {
 
 /// The share of samples that must lie on the shell.
 const GOOD_SHARE: f32 = 0.85;
-/// So many of the last samples are looked at by themselves: iron that moved late makes few outliers,
-/// but they come one after the other.
+/// So many of the last samples are looked at by themselves: iron that moved late makes few
+/// outliers, but they come one after the other.
 const LAST: usize = 16;
 /// Median distance below which samples are as good as exact.
 const LEAST_MEDIAN: f32 = 1e-4;
@@ -61,7 +63,8 @@ pub(super) fn sphere(samples: &[Vector3]) -> Shell {
     }
 }
 
-/// The quadric nearest to the samples, computed about the shell before; `None` if it is no ellipsoid.
+/// The quadric nearest to the samples, computed about the shell before; `None` if it is no
+/// ellipsoid.
 pub(super) fn quadric(samples: &[Vector3], weights: &[f32; CAPACITY], before: &Shell) -> Option<Shell> {
     let per_size = before.shape.trace() / 3.0;
     let mut equations = NormalEquations::<9>::new();
@@ -161,8 +164,9 @@ impl Shell {
         }
     }
 
-    /// The correction, with the strength of the corrected field (µT) and the ratio of the longest to
-    /// the shortest axis. Of all the factors that soft iron may have, the mean of the diagonal is 1.
+    /// The correction, with the strength of the corrected field (µT) and the ratio of the longest
+    /// to the shortest axis. Of all the factors that soft iron may have, the mean of the diagonal
+    /// is 1.
     pub(super) fn correction(&self) -> (CompassCorrection, f32, f32) {
         let strength = 3.0 / self.shape.trace();
         let (values, _) = eigen(self.shape);
@@ -210,8 +214,8 @@ mod tests {
         assert_eq!(quantile(&[], 0.5), 0.0);
     }
 
-    /// If this failed, a fit of exact samples would not be exact: the eight corners and six ends of an
-    /// ellipsoid with axes 3, 4, 5 about (1, 2, 3).
+    /// If this failed, a fit of exact samples would not be exact: the eight corners and six ends of
+    /// an ellipsoid with axes 3, 4, 5 about (1, 2, 3).
     #[test]
     fn exact_samples_give_the_exact_ellipsoid() {
         let (axes, centre) = (Vector3::new(30.0, 40.0, 50.0), Vector3::new(10.0, 20.0, 30.0));
