@@ -1,5 +1,6 @@
 //! The core and the world, tick by tick: what the firmware does with interrupts and tasks.
 
+use windhover_autopilot::mission::PlanMemory;
 use windhover_autopilot::{
     ExternalEstimate, Imu, ImuCounts, Inner, InnerConfig, InnerInput, Mailboxes, MotorCommand, Outer,
     OuterResult, ScheduleRecord, Snapshot, Urgent,
@@ -125,11 +126,13 @@ pub struct ClosedLoop {
     pub urgent: Option<Urgent>,
     /// A rotor that stands still, whatever it is told, in the core's order.
     pub dead_rotor: Option<usize>,
+    /// The plans on board.
+    pub plans: PlanMemory,
     /// The next outer result is late by so many boundaries.
     pub delay: u32,
+    config: InnerConfig,
     inner: Inner,
     outer: Outer,
-    stored: Stored,
     /// A result that is not ready yet, and how many boundaries it is still late.
     late: Option<(OuterResult, u32)>,
     disruption: Option<Disruption>,
@@ -150,7 +153,7 @@ impl ClosedLoop {
         world: World,
         config: InnerConfig,
         outer: Outer,
-        stored: Stored,
+        stored: &Stored,
         home: GlobalPosition,
     ) -> Self {
         Self {
@@ -159,9 +162,10 @@ impl ClosedLoop {
             urgent: None,
             dead_rotor: None,
             delay: 0,
+            config,
             inner: Inner::new(config, outer.inner_parameters()),
             outer,
-            stored,
+            plans: stored.memory(),
             late: None,
             disruption: None,
             source: Source::Truth,
@@ -199,9 +203,9 @@ impl ClosedLoop {
         }
     }
 
-    /// What is stored on board.
-    pub fn stored(&self) -> &Stored {
-        &self.stored
+    /// What the inner step was made with.
+    pub fn inner_config(&self) -> &InnerConfig {
+        &self.config
     }
 
     /// One tick: the core on a sample of the world, then the world under the core's command.
@@ -218,7 +222,7 @@ impl ClosedLoop {
         let output = self.inner.tick(&input, &mut self.mailboxes);
         recorder.tick(&truth, &input, output.motors, output.record);
         if let Some(snapshot) = &self.mailboxes.snapshot {
-            let result = self.outer.step(snapshot, &self.stored.plans());
+            let result = self.outer.step(snapshot, &self.plans);
             let result = self.mailboxes.result.insert(result);
             recorder.outer(&truth, snapshot, result);
             self.mailboxes.snapshot = None;

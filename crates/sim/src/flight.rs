@@ -122,6 +122,18 @@ impl Setup {
         Outer::new(self.parameters()?, &self.outer_config(home)).ok_or(SetupError::Vehicle)
     }
 
+    /// The same loop with the sensors and the disruptions of this setup, at a place.
+    pub fn equip(&self, mut flown: ClosedLoop, home: GlobalPosition) -> ClosedLoop {
+        if let Some(sensors) = &self.sensors {
+            let seed = self.conditions.seed;
+            flown = flown.sensing(Sensing::new(sensors, &self.vehicle, home, self.imu_rate, seed));
+        }
+        match &self.disruption {
+            Some(disruption) => flown.disrupted(disruption.clone()),
+            None => flown,
+        }
+    }
+
     /// The world at the start.
     pub fn world(&self) -> World {
         World::new(&self.vehicle.plant, self.model, self.integrator, &self.conditions)
@@ -241,15 +253,9 @@ pub fn closed_loop(setup: &Setup, mission: &MissionFile) -> Result<ClosedLoop, S
     let outer = setup.outer(home(mission))?;
     check_mission(mission, outer.parameters())?;
     let home = home(mission);
-    let mut flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, mission.stored(), home);
-    if let Some(sensors) = &setup.sensors {
-        let seed = setup.conditions.seed;
-        flown = flown.sensing(Sensing::new(sensors, &setup.vehicle, home, setup.imu_rate, seed));
-    }
-    Ok(match &setup.disruption {
-        Some(disruption) => flown.disrupted(disruption.clone()),
-        None => flown,
-    })
+    let stored = mission.stored();
+    let flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, &stored, home);
+    Ok(setup.equip(flown, home))
 }
 
 /// Flies a mission to its end. `progress` is told the share of the mission that is done, and

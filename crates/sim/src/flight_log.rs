@@ -8,7 +8,7 @@ use windhover_autopilot::mission::MissionSource;
 use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, Parameters, ScheduleRecord, Snapshot};
 use windhover_flight_log::views::Truth as LoggedTruth;
 use windhover_flight_log::{
-    Header, HeaderWriter, InfoValue, Logger, LoggerConfig, Plan, PlanKind, mission_crc, version,
+    Header, HeaderWriter, InfoValue, Logger, LoggerConfig, Plan, PlanItem, PlanKind, mission_crc, version,
 };
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::Truth;
@@ -28,6 +28,8 @@ const SEPARATOR: char = '|';
 pub struct FlightLog {
     logger: Box<Logger<BUFFER>>,
     bytes: Vec<u8>,
+    /// Bytes that were taken away.
+    taken: usize,
     header: usize,
     truth_bytes: usize,
     steps: u32,
@@ -78,6 +80,7 @@ impl FlightLog {
             logger: Box::new(Logger::new(config)),
             header: bytes.len(),
             bytes,
+            taken: 0,
             truth_bytes: 0,
             steps: 0,
             view_divider: config.view_divider.max(1),
@@ -87,7 +90,20 @@ impl FlightLog {
 
     /// Bytes per second of everything that a board would log too, header apart.
     pub fn rate(&self, seconds: f64) -> f64 {
-        (self.bytes.len() - self.header - self.truth_bytes) as f64 / windhover_math::max(seconds, 1e-3)
+        (self.taken + self.bytes.len() - self.header - self.truth_bytes) as f64
+            / windhover_math::max(seconds, 1e-3)
+    }
+
+    /// What was written since the last time; the rest of the log goes on behind it.
+    pub fn take(&mut self) -> Vec<u8> {
+        self.drain();
+        self.taken += self.bytes.len();
+        std::mem::take(&mut self.bytes)
+    }
+
+    /// An item of a plan that is written on board.
+    pub fn plan_item(&mut self, item: &PlanItem) {
+        self.logger.plan_item(item);
     }
 
     /// Ends the log with what is known only now; the log.

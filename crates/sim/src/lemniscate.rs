@@ -82,7 +82,7 @@ impl Lemniscate {
             setup.world(),
             setup.inner_config(),
             outer,
-            Stored::default(),
+            &Stored::default(),
             GlobalPosition::default(),
         );
         let mut error = Error {

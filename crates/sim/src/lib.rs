@@ -1,6 +1,7 @@
 //! The desktop program `windhover` as a library: the core in a simulated world.
 //!
 //! - [`mission_file`]: plans and waypoint files as ground stations save them.
+//! - [`sitl`]: the vehicle in real time, with ground stations at its links;
 //! - [`stored`]: plans as they are stored on board.
 //! - [`closed_loop`]: the core and the world, tick by tick; [`operator`]: who commands the flight.
 //! - [`recording`]: what the core consumed and commanded, and its replay.
@@ -25,5 +26,6 @@ pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod sensors;
+pub mod sitl;
 pub mod stored;
 pub mod terminal;

@@ -3,6 +3,7 @@
 mod again;
 mod options;
 mod output;
+mod station;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -17,6 +18,7 @@ use options::{Fly, Invocation};
 fn main() -> ExitCode {
     let outcome = match options::parse() {
         Invocation::Fly(fly) => run(&fly),
+        Invocation::Sitl(sitl) => station::run(&sitl),
         Invocation::Replay(replay) => again::replay(&replay),
         Invocation::Report(report) => output::report(&report.log, report.out.as_deref()).map(|to| {
             println!("report: {}", to.display());

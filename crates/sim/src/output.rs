@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use windhover_flight_log::reader::Log;
 use windhover_sim::figures::{Axes, Figures};
-use windhover_sim::flight::Flight;
+use windhover_sim::flight::{Flight, Setup};
 use windhover_sim::flight_log::FlightLog;
 use windhover_sim::flight_report;
 use windhover_sim::report::{self, Event, Figure, Report};
 
-use crate::options::{Fly, Request};
+use crate::options::{Fly, Request, Words};
 
 /// What a flight left on disk.
 pub struct Files {
@@ -71,14 +71,22 @@ fn report_of(bytes: &[u8], title: &str, name: &Path) -> Result<Report, String> {
 
 /// The conditions of a flight, for people.
 pub fn conditions(request: &Request) -> Vec<(String, String)> {
-    let setup = &request.setup;
+    let mission = request.mission_name.display().to_string();
+    let mut all = vec![("Mission".to_owned(), mission)];
+    all.extend(world(&request.setup, &request.words));
+    let notes = request.mission.notes.iter();
+    all.extend(notes.map(|note| ("Note".to_owned(), note.clone())));
+    all
+}
+
+/// The vehicle and its world, for people.
+pub fn world(setup: &Setup, words: &Words) -> Vec<(String, String)> {
     let wind = &setup.conditions.wind;
     let mut conditions = vec![
-        ("Mission", request.mission_name.display().to_string()),
         ("Vehicle", setup.vehicle.name.clone()),
-        ("Preset", request.preset.clone()),
-        ("Model", request.model.clone()),
-        ("Flown on", flown_on(request)),
+        ("Preset", words.preset.clone()),
+        ("Model", words.model.clone()),
+        ("Flown on", flown_on(setup)),
         (
             "Wind towards",
             format!("{:.2} m/s north, {:.2} m/s east", wind.x, wind.y),
@@ -96,16 +104,15 @@ pub fn conditions(request: &Request) -> Vec<(String, String)> {
             .map(|charge| ("Battery", format!("{:.0} %", charge * 100.0)));
         [remote, charge].into_iter().flatten()
     }));
-    conditions.extend(request.set.iter().map(|set| ("Set", set.clone())));
-    conditions.extend(request.mission.notes.iter().map(|note| ("Note", note.clone())));
+    conditions.extend(words.set.iter().map(|set| ("Set", set.clone())));
     conditions
         .into_iter()
         .map(|(name, value)| (name.to_string(), value))
         .collect()
 }
 
-fn flown_on(request: &Request) -> String {
-    match &request.setup.sensors {
+fn flown_on(setup: &Setup) -> String {
+    match &setup.sensors {
         None => "the truth".into(),
         Some(sensors) => format!(
             "sensors, receiver {}",

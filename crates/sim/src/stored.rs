@@ -1,6 +1,6 @@
 //! Plans as they are stored on board.
 
-use windhover_autopilot::mission::{MissionItem, PlanKind, Plans};
+use windhover_autopilot::mission::{MissionItem, PlanKind, PlanMemory, Plans};
 
 /// What is stored on board.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +21,18 @@ impl Stored {
             fence: &self.fence,
             rally: &self.rally,
         }
+    }
+
+    /// The same as a vehicle holds it, in the first slot of each kind. What is too much for it is
+    /// left out: a mission that is refused for that is never flown.
+    pub fn memory(&self) -> PlanMemory {
+        let mut memory = PlanMemory::new();
+        for (kind, items) in self.each() {
+            for item in items {
+                memory.push(kind, 0, *item);
+            }
+        }
+        memory
     }
 
     /// Each plan with its kind.

@@ -39,7 +39,9 @@ impl Shown {
         let Some(before) = self.seen.replace(now) else {
             return;
         };
-        for row in report.active.iter() {
+        // What a vehicle on the ground lacks speaks against arming, and is told when somebody asks.
+        let armed = now.phase != Phase::Disarmed;
+        for row in report.active.iter().filter(|_| armed) {
             let acts = (row.watched().action)(parameters);
             let is_new = !before.active.contains(row);
             if is_new && acts != Action::None && report.failsafe != Some(row) {

@@ -10,12 +10,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use windhover_autopilot::mission::PlanMemory;
 use windhover_math::geodesy::GlobalPosition;
 
 use crate::closed_loop::ClosedLoop;
 use crate::flight::{Setup, SetupError};
 use crate::flight_log::FlightLog;
+use crate::stored::Stored;
 use net::{Arrival, LINKS, Net};
 use served::{Line, Served};
 
@@ -64,8 +64,14 @@ pub fn vehicle(
     conditions: &[(String, String)],
 ) -> Result<Served, SetupError> {
     let outer = setup.outer(home)?;
-    let log = FlightLog::new(setup, outer.parameters(), home, &PlanMemory::new(), &[], conditions);
-    let flown = ClosedLoop::new(setup.world(), setup.inner_config(), outer, PlanMemory::new(), home);
+    let log = FlightLog::new(setup, outer.parameters(), home, &Stored::default(), conditions);
+    let flown = ClosedLoop::new(
+        setup.world(),
+        setup.inner_config(),
+        outer,
+        &Stored::default(),
+        home,
+    );
     Ok(Served::new(setup.equip(flown, home), log, LINKS))
 }
 
@@ -99,7 +105,10 @@ pub fn serve(
         while served.time() < wanted && now.elapsed() < BURST {
             let effects = served.step(micros(Instant::now()));
             if effects.reboot {
-                tell(&line(&served, "Asked to reboot: stop the program and start it again"));
+                tell(&line(
+                    &served,
+                    "Asked to reboot: stop the program and start it again",
+                ));
             }
             send(&mut net, &mut served, micros(Instant::now()));
         }

@@ -107,7 +107,8 @@ impl Net {
             return;
         }
         let now = Instant::now();
-        self.peers.retain(|(peer, last)| *peer != from && now - *last < PATIENCE);
+        self.peers
+            .retain(|(peer, last)| *peer != from && now - *last < PATIENCE);
         if self.peers.len() < PEERS {
             self.peers.push((from, now));
         }

@@ -62,7 +62,7 @@ impl Served {
 
     fn fresh_link(&self, index: usize) -> Link {
         let mut release = [0; 8];
-        for (to, from) in release.iter_mut().zip(version::RELEASE.bytes()) {
+        for (to, from) in release.iter_mut().zip(version::COMMIT.bytes()) {
             *to = from;
         }
         Link::new(Config {

@@ -1,0 +1,86 @@
+//! `windhover sitl`: the terminal around [`windhover_sim::sitl`].
+
+use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use windhover_sim::report::{Event, Figure};
+use windhover_sim::sitl::served::Line;
+use windhover_sim::sitl::{self, Ended};
+
+use crate::options::SitlArgs;
+use crate::output;
+
+/// Serves until it is stopped; whether the vehicle was whole then. The error is one line.
+pub fn run(args: &SitlArgs) -> Result<bool, String> {
+    let (setup, service, words) = (args.setup()?, args.service(), args.words());
+    let conditions = output::world(&setup, &words);
+    let served = sitl::vehicle(&setup, service.home, &conditions).map_err(|e| words.explain(&e))?;
+    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
+    let log_name = args.out.join("flight.ulg");
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // A second one ends it at once, should the first not do.
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|e| format!("Ctrl-C cannot be heard: {e}"))?;
+    let tcp = service.tcp.map_or("none".into(), |address| address.to_string());
+    say(&format!(
+        "windhover sitl: {} as system {}, UDP to {}, TCP at {tcp}, speed {}, Ctrl-C ends it",
+        setup.vehicle.name,
+        served.vehicle().parameters().link.system,
+        service.udp,
+        service.speed
+    ));
+    let (log, ended) = sitl::serve(served, &service, &log_name, &stop, &mut |line: &Line| {
+        say(&format!("{:9.1} s  {}", line.time, line.text));
+    })?;
+    let rest = log.finish(&figures(&ended), &events(&ended));
+    append(&log_name, &rest)?;
+    say(&format!(
+        "{} at {:.1} s, {:.1} × real time",
+        ended.why, ended.time, ended.speed
+    ));
+    say(&format!("log: {}", log_name.display()));
+    let report = output::report(&log_name, None)?;
+    say(&format!("report: {}", report.display()));
+    Ok(ended.stopped)
+}
+
+/// A line at once, also into a pipe.
+fn say(text: &str) {
+    let mut out = std::io::stdout().lock();
+    // Nobody reads any more: that is no reason to fall from the sky.
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}
+
+fn append(name: &std::path::Path, bytes: &[u8]) -> Result<(), String> {
+    std::fs::OpenOptions::new()
+        .append(true)
+        .open(name)
+        .and_then(|mut file| file.write_all(bytes))
+        .map_err(|e| format!("{}: {e}", name.display()))
+}
+
+fn figures(ended: &Ended) -> Vec<Figure> {
+    let figure = |label: &str, value: String, unit: &str| Figure {
+        label: label.into(),
+        value,
+        unit: unit.into(),
+    };
+    vec![
+        figure("ended", ended.why.clone(), ""),
+        figure("simulated time", format!("{:.1}", ended.time), "s"),
+        figure("speed", format!("{:.1}", ended.speed), "× real time"),
+    ]
+}
+
+fn events(ended: &Ended) -> Vec<Event> {
+    vec![Event {
+        time: ended.time as f32,
+        text: ended.why.clone(),
+    }]
+}
