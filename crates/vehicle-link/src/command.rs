@@ -2,7 +2,7 @@
 
 use windhover_autopilot::mode::Target;
 use windhover_autopilot::{Command, Mode as CoreMode, MotorTest, OuterReport, Phase};
-use windhover_ground_link::{CommandResult, Ground, Mode, Request, SpeedKind};
+use windhover_ground_link::{Calibration, CommandResult, Ground, Mode, Request, SpeedKind};
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
 use windhover_math::sqrt;
 
@@ -14,6 +14,8 @@ const NEAR: f32 = 3.0;
 pub enum Meaning {
     /// The core decides.
     Command(Command),
+    /// A calibration is to begin or to end.
+    Calibrate(Calibration),
     /// Something of the link's end itself.
     Own,
     /// That is the answer, and why.
@@ -80,10 +82,7 @@ pub fn meaning(request: &Request, report: &OuterReport) -> Meaning {
             share: throttle,
             duration,
         }),
-        Request::Calibrate(_) => {
-            let why = "Calibration by ground station is not there yet";
-            return Meaning::Answer(CommandResult::Unsupported, Some(why));
-        }
+        Request::Calibrate(kind) => return Meaning::Calibrate(kind),
         _ => return Meaning::Own,
     })
 }

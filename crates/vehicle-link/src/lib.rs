@@ -14,6 +14,7 @@
 //! core's, and its reasons are passed on in its words.
 #![cfg_attr(not(test), no_std)]
 
+mod calibrate;
 mod changes;
 mod command;
 mod plans;
@@ -30,14 +31,16 @@ use windhover_autopilot::{
 };
 use windhover_ground_link::parameters::{Appended, QGROUNDCONTROL};
 use windhover_ground_link::{
-    CommandId, CommandResult, Context, Identity, Link, Order, Photo, PlanKind, Request, Severity, Signing,
-    Telemetry,
+    Calibration, CommandId, CommandResult, Context, Identity, Link, Order, Photo, PlanKind, Request,
+    Severity, Signing, Telemetry,
 };
 use windhover_math::geodesy::LocalFrame;
 
+pub use calibrate::Fitting;
 pub use plans::PlanMedium;
 pub use told::{Happened, Outcome, Told};
 
+use calibrate::{Calibrating, Standing};
 use changes::Shown;
 use command::Meaning;
 use plans::{PlanState, Plans};
@@ -96,8 +99,10 @@ pub struct VehicleLink {
     photos: u32,
     overrides: Overrides,
     shown: Shown,
-    /// The next parameter that goes back to its default.
-    resetting: Option<u16>,
+    fitting: Fitting,
+    calibrating: Option<(Calibrating, Option<(usize, CommandId)>)>,
+    /// What the parameters are to be, and the next one to look at.
+    wanted: Option<(u16, Parameters)>,
     /// When a ground station was last passed on as heard, µs.
     station: Option<u64>,
     /// Share of the processor's time that is used, 0 to 1.
@@ -105,8 +110,8 @@ pub struct VehicleLink {
 }
 
 impl VehicleLink {
-    /// Of a vehicle with these parameters and these plans in use.
-    pub fn new(parameters: &Parameters, plans: [MissionCommit; 3]) -> Self {
+    /// Of a vehicle with these parameters, whose sensors sit like this, and these plans in use.
+    pub fn new(parameters: &Parameters, fitting: Fitting, plans: [MissionCommit; 3]) -> Self {
         Self {
             parameters: *parameters,
             telemetry: Telemetry::default(),
@@ -122,7 +127,9 @@ impl VehicleLink {
             photos: 0,
             overrides: Overrides::default(),
             shown: Shown::default(),
-            resetting: None,
+            fitting,
+            calibrating: None,
+            wanted: None,
             station: None,
             load: 0.0,
         }
@@ -207,7 +214,8 @@ impl VehicleLink {
         self.take_in(links, told, now, say);
         self.expire(links, now);
         self.commit_plans(now);
-        self.reset_parameters(now);
+        self.calibrate(links, told, now, say);
+        self.write_parameters(now);
         self.take_photos(now);
         for index in 0..links.len() {
             self.serve(links, index, now, say);
@@ -233,6 +241,9 @@ impl VehicleLink {
     pub fn forget(&mut self, link: usize) {
         for asked in &mut self.asked {
             asked.answer = asked.answer.filter(|(of, _)| *of != link);
+        }
+        if let Some((_, answer)) = &mut self.calibrating {
+            *answer = answer.filter(|(of, _)| *of != link);
         }
         for written in &mut self.written {
             written.link = written.link.filter(|of| *of != link);
@@ -444,19 +455,111 @@ impl VehicleLink {
         }
     }
 
-    fn reset_parameters(&mut self, now: u64) {
-        while let Some(index) = self.resetting {
-            let Some(declaration) = Parameters::declaration(usize::from(index)) else {
-                self.resetting = None;
+    /// Parameters that are to have other values go to the core, as many as it takes.
+    fn write_parameters(&mut self, now: u64) {
+        while let Some((index, wanted)) = self.wanted {
+            let Some(value) = wanted.get(usize::from(index)) else {
+                self.wanted = None;
                 return;
             };
-            let is_default = self.parameters.get(usize::from(index)) == Some(declaration.default);
-            let value = declaration.default;
-            if !is_default && !self.write(ParameterWrite { index, value }, None, now) {
+            let is_so = self.parameters.get(usize::from(index)) == Some(value);
+            if !is_so && !self.write(ParameterWrite { index, value }, None, now) {
                 return;
             }
-            self.resetting = Some(index + 1);
+            self.wanted = Some((index + 1, wanted));
         }
+    }
+
+    /// A calibration that is under way goes on.
+    fn calibrate(&mut self, links: &mut [Link], told: &Told, now: u64, say: &mut Say<'_>) {
+        let Some((calibrating, answer)) = &mut self.calibrating else {
+            return;
+        };
+        let answer = *answer;
+        if self.report.phase != Phase::Disarmed {
+            self.end_calibration(
+                links,
+                "[cal] calibration cancelled",
+                CommandResult::Failed,
+                now,
+                say,
+            );
+            return;
+        }
+        let before = calibrating.percent();
+        let mut say = |severity, text: core::fmt::Arguments<'_>| tell(links, say, severity, text);
+        match calibrating.step(told, &self.parameters, &mut say) {
+            Standing::Going(percent) => {
+                if percent != before
+                    && let Some((link, id)) = answer
+                    && let Some(link) = links.get_mut(link)
+                {
+                    link.progress(id, percent, now);
+                }
+            }
+            Standing::Done(parameters) => {
+                self.wanted = Some((0, parameters));
+                self.calibrating = None;
+                finish(links, answer, CommandResult::Accepted, now);
+            }
+            Standing::Failed => {
+                self.calibrating = None;
+                finish(links, answer, CommandResult::Failed, now);
+            }
+        }
+    }
+
+    fn end_calibration(
+        &mut self,
+        links: &mut [Link],
+        text: &str,
+        result: CommandResult,
+        now: u64,
+        say: &mut Say<'_>,
+    ) {
+        if let Some((_, answer)) = self.calibrating.take() {
+            tell(links, say, Severity::Warning, format_args!("{text}"));
+            finish(links, answer, result, now);
+        }
+    }
+
+    /// A calibration is asked for, or the end of one.
+    fn start_calibration(
+        &mut self,
+        links: &mut [Link],
+        kind: Calibration,
+        answer: Option<(usize, CommandId)>,
+        now: u64,
+        say: &mut Say<'_>,
+    ) {
+        let result = match kind {
+            Calibration::Cancel => {
+                self.end_calibration(
+                    links,
+                    "[cal] calibration cancelled",
+                    CommandResult::Cancelled,
+                    now,
+                    say,
+                );
+                CommandResult::Accepted
+            }
+            // The level of pressure is found whenever the vehicle stands: there is nothing to do.
+            Calibration::Pressure => CommandResult::Accepted,
+            Calibration::AccelerometerOffset => CommandResult::Unsupported,
+            _ if self.report.phase != Phase::Disarmed || self.calibrating.is_some() => {
+                let text = format_args!("Calibration refused: armed, or another one is under way");
+                tell(links, say, Severity::Warning, text);
+                CommandResult::TemporarilyRejected
+            }
+            kind => {
+                let fitting = self.fitting;
+                let mut say = |severity, text: core::fmt::Arguments<'_>| tell(links, say, severity, text);
+                self.calibrating =
+                    Calibrating::begin(kind, fitting, &mut say).map(|calibrating| (calibrating, answer));
+                CommandResult::InProgress
+            }
+        };
+        finish(links, answer, result, now);
     }
 
     fn take_photos(&mut self, now: u64) {
@@ -501,6 +604,7 @@ impl VehicleLink {
                 }
                 finish(links, answer, result, now);
             }
+            Meaning::Calibrate(kind) => self.start_calibration(links, kind, answer, now, say),
             Meaning::Own => {
                 let result = self.act_here(links, link, &order.request, now, say);
                 finish(links, answer, result, now);
@@ -534,7 +638,7 @@ impl VehicleLink {
             }
             Request::StopPhotos => self.shutter = Shutter::default(),
             Request::Reboot if disarmed => self.effects.reboot = true,
-            Request::ResetParameters if disarmed => self.resetting = Some(0),
+            Request::ResetParameters if disarmed => self.wanted = Some((0, Parameters::default())),
             Request::Reboot | Request::ResetParameters => {
                 tell(links, say, Severity::Warning, format_args!("Only while disarmed"));
                 return CommandResult::TemporarilyRejected;

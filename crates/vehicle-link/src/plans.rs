@@ -127,10 +127,7 @@ impl<M: PlanMedium> Plans<'_, M> {
     fn check_whole(&self, kind: PlanKind, commit: &MissionCommit) -> Result<(), PlanRefusal> {
         let MissionCommit { slot, count, .. } = *commit;
         let of_fence = |(index, refusal): (u16, fence::FenceRefusal)| {
-            PlanRefusal::new(
-                MissionResult::Invalid,
-                format_args!("item {index}: {refusal}"),
-            )
+            PlanRefusal::new(MissionResult::Invalid, format_args!("item {index}: {refusal}"))
         };
         match kind {
             PlanKind::Mission if count == 0 => Ok(()),
@@ -190,7 +187,10 @@ impl<M: PlanMedium> PlanStore for Plans<'_, M> {
         if self.medium.push(kind, slot, index, item) {
             Ok(())
         } else {
-            Err(PlanRefusal::new(MissionResult::NoSpace, format_args!("no room for more items")))
+            Err(PlanRefusal::new(
+                MissionResult::NoSpace,
+                format_args!("no room for more items"),
+            ))
         }
     }
 

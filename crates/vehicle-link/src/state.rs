@@ -35,7 +35,7 @@ pub fn fill(t: &mut Telemetry, told: &Told, parameters: &Parameters, load: f32) 
     t.armed = report.phase != Phase::Disarmed;
     t.failsafe = report.failsafe.is_some();
     t.landed = landed(report);
-    t.health = health(report, told.remote);
+    t.health = health(report, told.radio().is_some());
     t.load = load;
     let most = 4.0 * parameters.vehicle.rotor_thrust_max();
     let runs = told.motors != [0; 4];

@@ -2,8 +2,10 @@
 
 use heapless::{Deque, Vec};
 use windhover_autopilot::mission::MissionEvent;
+use windhover_autopilot::schedule::OUTER_RATE;
 use windhover_autopilot::{
-    Command, GnssSample, MotorCommand, OuterReport, OuterResult, ParameterWrite, Refused, Snapshot, Why,
+    Command, CompassSample, GnssSample, Imu, ImuCounts, MotorCommand, OuterReport, OuterResult,
+    ParameterWrite, RcFrame, Refused, ScheduleRecord, Snapshot, Why,
 };
 use windhover_math::{Quaternion, Vector3};
 
@@ -12,6 +14,15 @@ const OUTCOMES: usize = 16;
 
 /// Room for what happens in some ten outer steps.
 const HAPPENED: usize = 8;
+
+/// Room for samples of the inertial sensors: one an outer period.
+const SAMPLES: usize = 16;
+
+/// A sample stands for an outer period, s.
+pub(crate) const SAMPLE_PERIOD: f32 = 1.0 / OUTER_RATE as f32;
+
+/// Room for samples of the compass.
+const COMPASS: usize = 8;
 
 /// What the core made of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +59,9 @@ pub struct Told {
     /// What the motors were told last, in the core's order.
     pub(crate) motors: [u16; 4],
     pub(crate) gnss: Option<GnssSample>,
-    pub(crate) remote: bool,
+    samples: Deque<ImuCounts, SAMPLES>,
+    compass: Deque<CompassSample, COMPASS>,
+    radio: Option<(u64, RcFrame)>,
     outcomes: Deque<Outcome, OUTCOMES>,
     happened: Deque<Happened, HAPPENED>,
     dropped: u32,
@@ -67,7 +80,12 @@ impl Told {
         if let Some(gnss) = snapshot.inputs.gnss.last() {
             self.gnss = Some(*gnss);
         }
-        self.remote |= !snapshot.inputs.rc.is_empty();
+        for sample in &snapshot.inputs.compass {
+            keep_newest(&mut self.compass, *sample);
+        }
+        if let Some(frame) = snapshot.inputs.rc.last() {
+            self.radio = Some((snapshot.time, *frame));
+        }
         self.settle(snapshot, &result.report);
         let estimate = &result.report.estimate;
         for event in &result.report.events {
@@ -85,8 +103,15 @@ impl Told {
     }
 
     /// One tick.
-    pub fn motors(&mut self, command: MotorCommand) {
-        self.motors = command.rotors().unwrap_or_default();
+    #[inline]
+    pub fn tick(&mut self, imu: &Imu, motors: MotorCommand, record: Option<ScheduleRecord>) {
+        if record.is_none() {
+            return;
+        }
+        self.motors = motors.rotors().unwrap_or_default();
+        if let Imu::Sample { counts, .. } = imu {
+            keep_newest(&mut self.samples, *counts);
+        }
     }
 
     /// What was refused names what it was; all else of the inputs was done.
@@ -125,6 +150,8 @@ impl Told {
         let taken = self.clone();
         self.outcomes.clear();
         self.happened.clear();
+        self.samples.clear();
+        self.compass.clear();
         self.report = None;
         taken
     }
@@ -132,6 +159,21 @@ impl Told {
     /// The last report, without its events and refusals; `None` where there was no step.
     pub fn report(&self) -> Option<&OuterReport> {
         self.report.as_ref()
+    }
+
+    /// Samples of the inertial sensors, one of each outer period, in order.
+    pub(crate) fn samples(&self) -> impl Iterator<Item = &ImuCounts> {
+        self.samples.iter()
+    }
+
+    /// Samples of the compass, in order.
+    pub(crate) fn compass(&self) -> impl Iterator<Item = &CompassSample> {
+        self.compass.iter()
+    }
+
+    /// The remote control's last frame, and when it came, µs.
+    pub(crate) fn radio(&self) -> Option<(u64, RcFrame)> {
+        self.radio
     }
 
     /// What became of inputs, in order.
@@ -148,6 +190,14 @@ impl Told {
     pub fn dropped(&self) -> u32 {
         self.dropped
     }
+}
+
+/// Samples of which the newest count: the oldest one makes room.
+fn keep_newest<T, const CAPACITY: usize>(queue: &mut Deque<T, CAPACITY>, item: T) {
+    if queue.is_full() {
+        queue.pop_front();
+    }
+    let _ = queue.push_back(item);
 }
 
 /// Takes out the first one that fits.

@@ -5,10 +5,11 @@ use windhover_autopilot::{InnerInput, MotorCommand, OuterResult, ScheduleRecord,
 use windhover_flight_log::{PlanItem, version};
 use windhover_ground_link::{Address, Config, Link, PlanKind, Severity};
 use windhover_model::Truth;
-use windhover_vehicle_link::{Effects, PlanMedium, Told, VehicleLink};
+use windhover_vehicle_link::{Effects, Fitting, PlanMedium, Told, VehicleLink};
 
 use crate::closed_loop::{ClosedLoop, Recorder};
 use crate::flight_log::FlightLog;
+use crate::sensors::compass_fitting;
 
 /// Bytes a second that a socket carries, for all that the link has to know: a tenth of that would do.
 const BANDWIDTH: u32 = 1_000_000;
@@ -43,7 +44,11 @@ impl Served {
     /// A vehicle that nobody has spoken to yet, with so many links.
     pub fn new(flown: ClosedLoop, log: FlightLog, links: usize) -> Self {
         let config = *flown.inner_config();
-        let vehicle = VehicleLink::new(flown.outer().parameters(), Default::default());
+        let fitting = Fitting {
+            rotation: config.rotation,
+            compass: compass_fitting(),
+        };
+        let vehicle = VehicleLink::new(flown.outer().parameters(), fitting, Default::default());
         let mut served = Self {
             vehicle,
             links: Vec::new(),
@@ -191,7 +196,7 @@ impl Recorder for Ears<'_> {
         motors: MotorCommand,
         record: Option<ScheduleRecord>,
     ) {
-        self.told.motors(motors);
+        self.told.tick(&input.imu, motors, record);
         self.log.tick(truth, input, motors, record);
     }
 
