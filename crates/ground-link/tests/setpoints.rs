@@ -5,8 +5,10 @@ mod common;
 
 use common::*;
 use mavlink::dialects::common::*;
-use windhover_ground_link::Request;
-use windhover_ground_link::setpoints::{Channel, LocalFrame, Setpoint};
+use windhover_autopilot::mission::action::Altitude;
+use windhover_ground_link::setpoints::{Channel, LocalFrame, Motion, Setpoint, Sticks};
+use windhover_ground_link::{Ground, Request};
+use windhover_math::Quaternion;
 
 #[test]
 fn setpoints_and_sticks_come_out_typed_and_only_the_newest() {
@@ -123,6 +125,121 @@ fn attitude_targets_global_targets_and_channels_are_understood() {
         channels[8..11],
         [Channel::Pulse(1600), Channel::Release, Channel::Keep]
     );
+}
+
+/// Nothing is masked, and every field has a number of its own, so that a wrong place shows.
+#[test]
+fn every_number_of_a_local_target_has_its_place() {
+    let mut bench = Bench::new();
+    bench.ask(&SET_POSITION_TARGET_LOCAL_NED_DATA {
+        time_boot_ms: 99,
+        x: 1.0,
+        y: 2.0,
+        z: 3.0,
+        vx: 4.0,
+        vy: 5.0,
+        vz: 6.0,
+        afx: 7.0,
+        afy: 8.0,
+        afz: 9.0,
+        yaw: 0.5,
+        yaw_rate: 0.25,
+        type_mask: PositionTargetTypemask::empty(),
+        target_system: 1,
+        target_component: 1,
+        coordinate_frame: MavFrame::MAV_FRAME_LOCAL_OFFSET_NED,
+    });
+    let setpoint = Setpoint::Local {
+        frame: LocalFrame::OffsetNed,
+        position: [1.0, 2.0, 3.0].map(Some),
+        motion: MOTION,
+    };
+    assert_eq!(bench.vehicle.requests(), [Request::Offboard(setpoint)]);
+}
+
+#[test]
+fn every_number_of_a_global_target_has_its_place() {
+    let mut bench = Bench::new();
+    bench.ask(&SET_POSITION_TARGET_GLOBAL_INT_DATA {
+        time_boot_ms: 99,
+        lat_int: 473_977_418,
+        lon_int: 85_455_938,
+        alt: 30.0,
+        vx: 4.0,
+        vy: 5.0,
+        vz: 6.0,
+        afx: 7.0,
+        afy: 8.0,
+        afz: 9.0,
+        yaw: 0.5,
+        yaw_rate: 0.25,
+        type_mask: PositionTargetTypemask::empty(),
+        target_system: 1,
+        target_component: 1,
+        coordinate_frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    });
+    let setpoint = Setpoint::Global {
+        ground: Some(Ground {
+            latitude: 473_977_418,
+            longitude: 85_455_938,
+        }),
+        altitude: Some(Altitude::Home(30.0)),
+        motion: MOTION,
+    };
+    assert_eq!(bench.vehicle.requests(), [Request::Offboard(setpoint)]);
+}
+
+/// What both targets of a position say about the rest.
+const MOTION: Motion = Motion {
+    velocity: [Some(4.0), Some(5.0), Some(6.0)],
+    acceleration: [Some(7.0), Some(8.0), Some(9.0)],
+    heading: Some(0.5),
+    heading_rate: Some(0.25),
+};
+
+#[test]
+fn every_number_of_an_attitude_target_has_its_place() {
+    let mut bench = Bench::new();
+    bench.ask(&SET_ATTITUDE_TARGET_DATA {
+        time_boot_ms: 99,
+        q: [0.8, 0.4, -0.4, 0.2],
+        body_roll_rate: 0.1,
+        body_pitch_rate: 0.2,
+        body_yaw_rate: 0.3,
+        thrust: 0.6,
+        type_mask: AttitudeTargetTypemask::empty(),
+        target_system: 1,
+        target_component: 1,
+        ..SET_ATTITUDE_TARGET_DATA::DEFAULT
+    });
+    let setpoint = Setpoint::Attitude {
+        attitude: Some(Quaternion::new(0.8, 0.4, -0.4, 0.2).normalized()),
+        rate: [0.1, 0.2, 0.3].map(Some),
+        thrust: Some(0.6),
+    };
+    assert_eq!(bench.vehicle.requests(), [Request::Offboard(setpoint)]);
+}
+
+#[test]
+fn every_number_of_a_game_pad_has_its_place() {
+    let mut bench = Bench::new();
+    bench.ask(&MANUAL_CONTROL_DATA {
+        x: 500,
+        y: -250,
+        z: 125,
+        r: -1000,
+        buttons: 0xa55b,
+        target: 1,
+        ..MANUAL_CONTROL_DATA::DEFAULT
+    });
+    let sticks = Sticks {
+        pitch: Some(0.5),
+        roll: Some(-0.25),
+        throttle: Some(0.125),
+        yaw: Some(-1.0),
+        buttons: 0xa55b,
+    };
+    assert_eq!(bench.vehicle.requests(), [Request::Sticks(sticks)]);
 }
 
 trait Root {
