@@ -4,13 +4,7 @@
 use mavlink::dialects::common::*;
 use windhover_ground_link::frame::MAX_PAYLOAD;
 
-use crate::common::{Bench, STEP, Station, all, count};
-
-/// Messages that the link acts on.
-const UNDERSTOOD: [u32; 28] = [
-    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110,
-    111, 256,
-];
+use crate::common::{Bench, STEP, Seen, Station, UNDERSTOOD, all, count};
 
 /// Bytes that are used up.
 pub struct Input<'a>(pub &'a [u8]);
@@ -49,9 +43,9 @@ pub fn any_frame(station: &mut Station, input: &mut Input<'_>) -> Vec<u8> {
 }
 
 /// Lets time pass without a poll in between, µs: a vehicle that was busy.
-pub fn pass(bench: &mut Bench, time: u64) {
+pub fn pass(bench: &mut Bench, time: u64) -> Vec<Seen> {
     bench.now += time;
-    bench.run(STEP);
+    bench.run(STEP)
 }
 
 /// Whatever has been: a ping is answered, and an upload may begin.

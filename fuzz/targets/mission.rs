@@ -63,24 +63,20 @@ fuzz_target!(|bytes: &[u8]| {
     let mut stations = [Station::new(255), Station::new(254)];
     let mut next = [0; 2];
     let mut last = Vec::new();
-    let (mut commits, mut stored) = (0, bench.vehicle.store.bits());
     while let Some(what) = input.byte() {
         let who = usize::from(what >> 7);
         match what & 0x40 {
             0 => last = frame(what, &mut stations[who], &mut next[who], &mut input),
-            _ if what & 0x20 == 0 => pass(&mut bench, STEP << (what & 15).min(10)),
+            _ if what & 0x20 == 0 => {
+                pass(&mut bench, STEP << (what & 15).min(10));
+            }
             _ => {} // the network repeats the last one
         }
         bench.vehicle.store.refuse_commit = what == 0x6f;
         bench.bytes(&last);
-        if bench.vehicle.store.commits == commits {
-            continue;
-        }
-        commits = bench.vehicle.store.commits;
-        stored = bench.vehicle.store.bits();
     }
-    assert_eq!(bench.vehicle.store.bits(), stored, "changed without a commit");
     bench.vehicle.store.refuse_commit = false;
+    let stored = bench.vehicle.store.bits();
     still_answers(&mut bench);
-    assert_eq!(bench.vehicle.store.bits(), stored);
+    assert_eq!(bench.vehicle.store.bits(), stored, "an upload that began is none");
 });

@@ -4,7 +4,7 @@ use mavlink::dialects::common::*;
 use mavlink::{MavlinkVersion, MessageData};
 use windhover_autopilot::mission::MissionItem;
 
-use super::NAN;
+use super::{NAN, Seen};
 
 /// Any plan: numbers that tell items apart, and NaNs of different kinds.
 pub fn plan(count: u16, salt: u32) -> Vec<MissionItem> {
@@ -80,6 +80,13 @@ mod num {
     pub fn frame(number: u8) -> MavFrame {
         data(16, number).frame
     }
+}
+
+/// How many plans the vehicle says that it has taken.
+pub fn accepted_plans(seen: &[Seen]) -> usize {
+    let acks = seen.iter().filter(|seen| seen.id == MISSION_ACK_DATA::ID);
+    acks.filter(|ack| ack.payload.get(2).is_none_or(|result| *result == 0))
+        .count()
 }
 
 pub fn count(count: u16, kind: MavMissionType) -> MISSION_COUNT_DATA {

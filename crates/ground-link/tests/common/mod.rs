@@ -26,6 +26,12 @@ pub const VEHICLE: Address = Address {
     component: 1,
 };
 
+/// The messages that the link acts on.
+pub const UNDERSTOOD: &[u32] = &[
+    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110,
+    111, 256,
+];
+
 /// A command in a mission item that the store refuses.
 pub const REFUSED_COMMAND: u16 = 9_999;
 

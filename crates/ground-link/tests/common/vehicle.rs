@@ -96,4 +96,17 @@ impl Vehicle {
     pub fn requests(&self) -> Vec<Request> {
         self.orders.iter().map(|order| order.request).collect()
     }
+
+    /// How many writes of parameters were asked for; each must be one that the table takes.
+    pub fn valid_writes(&self) -> usize {
+        let mut writes = 0;
+        for order in &self.orders {
+            if let Request::WriteParameter { index, value } = order.request {
+                let declaration = Parameters::declaration(usize::from(index)).expect("there is one");
+                assert_eq!(declaration.check(value), Ok(()), "{}: {value}", declaration.name);
+                writes += 1;
+            }
+        }
+        writes
+    }
 }
