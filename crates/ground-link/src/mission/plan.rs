@@ -107,3 +107,27 @@ pub trait PlanStore {
     /// The upload has come to nothing.
     fn abort(&mut self, kind: PlanKind);
 }
+
+#[cfg(test)]
+mod tests {
+    use mavlink::dialects::common::MavMissionType;
+
+    use super::*;
+
+    /// The core's numbers go onto the wire as they are.
+    #[test]
+    fn kinds_have_the_numbers_of_the_wire() {
+        let wire = [
+            MavMissionType::MAV_MISSION_TYPE_MISSION,
+            MavMissionType::MAV_MISSION_TYPE_FENCE,
+            MavMissionType::MAV_MISSION_TYPE_RALLY,
+        ];
+        let kinds = [PlanKind::Mission, PlanKind::Fence, PlanKind::Rally];
+        for (kind, wire) in kinds.into_iter().zip(wire) {
+            assert_eq!(kind.code(), wire as u8);
+            assert_eq!(PlanKind::from_code(wire as u8), Some(kind));
+        }
+        assert_eq!(PlanKind::EACH, kinds);
+        assert_eq!((3..=u8::MAX).find_map(PlanKind::from_code), None);
+    }
+}
