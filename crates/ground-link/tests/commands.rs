@@ -187,6 +187,23 @@ fn every_command_becomes_its_request() {
                 count: 1,
             },
         ),
+        // Three, and without end.
+        (
+            Cmd::MAV_CMD_IMAGE_START_CAPTURE,
+            [0.0, 2.0, 3.0, N, N, N, N],
+            Request::TakePhotos {
+                interval: 2.0,
+                count: 3,
+            },
+        ),
+        (
+            Cmd::MAV_CMD_IMAGE_START_CAPTURE,
+            [0.0, 2.0, 0.0, N, N, N, N],
+            Request::TakePhotos {
+                interval: 2.0,
+                count: 0,
+            },
+        ),
         (Cmd::MAV_CMD_IMAGE_STOP_CAPTURE, [N; 7], Request::StopPhotos),
         (
             Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
@@ -306,6 +323,12 @@ fn what_cannot_be_meant_is_denied() {
         // Photos without time between them.
         (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 0.0, 0.0, N, N, N, N]),
         (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 0.0, 5.0, N, N, N, N]),
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, -1.0, 1.0, N, N, N, N]),
+        // Less than one photo, which 0 and with it no end must not come of.
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 2.0, -1.0, N, N, N, N]),
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 2.0, -0.1, N, N, N, N]),
+        (Cmd::MAV_CMD_IMAGE_START_CAPTURE, [0.0, 2.0, 0.9, N, N, N, N]),
+        (Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST, [-1.0, 0.0, 0.0, N, N, N, N]),
     ] {
         let mut bench = Bench::new();
         let result = bench.result(command, params);

@@ -94,11 +94,10 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
         number::PREFLIGHT_REBOOT_SHUTDOWN => upkeep::reboot(p),
         number::DO_MOTOR_TEST => upkeep::motor_test(p),
         number::ACTUATOR_TEST => upkeep::actuator_test(p),
-        _ => {
-            return upkeep::camera(command, p)
-                .or_else(|| messages(command, p))
-                .unwrap_or(UNSUPPORTED);
-        }
+        _ => match upkeep::camera(command, p) {
+            Some(request) => request,
+            None => return messages(command, p).unwrap_or(UNSUPPORTED),
+        },
     };
     request.map_or_else(Meaning::Answer, Meaning::Request)
 }

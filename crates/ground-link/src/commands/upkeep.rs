@@ -1,7 +1,7 @@
 //! Commands about the vehicle itself and its camera: calibrations, storage, tests of motors, photos.
 
 use super::arguments::Parameters;
-use super::translate::{Meaning, Translated};
+use super::translate::Translated;
 use super::{CommandResult, number};
 use crate::request::{Calibration, Request};
 
@@ -81,34 +81,35 @@ fn motor(number: f32, throttle: f32, duration: f32) -> Translated {
     })
 }
 
+/// One photo, now.
+const ONE_PHOTO: Request = Request::TakePhotos {
+    interval: 0.0,
+    count: 1,
+};
+
 #[inline(never)]
-pub(super) fn camera(command: u16, p: &Parameters) -> Option<Meaning> {
-    let request = match command {
-        number::IMAGE_START_CAPTURE => Request::TakePhotos {
-            interval: p.number(2),
-            count: p.get(3).unwrap_or(1.0) as u32,
-        },
-        number::IMAGE_STOP_CAPTURE => Request::StopPhotos,
-        number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Request::TakePhotos {
-            interval: 0.0,
-            count: 1,
-        },
+pub(super) fn camera(command: u16, p: &Parameters) -> Option<Translated> {
+    Some(match command {
+        number::IMAGE_START_CAPTURE => photos(p.number(2), p.get(3).unwrap_or(1.0)),
+        number::IMAGE_STOP_CAPTURE => Ok(Request::StopPhotos),
+        number::DO_DIGICAM_CONTROL if p.number(5) > 0.5 => Ok(ONE_PHOTO),
         // Without a distance it is one photo, now.
-        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) && p.number(1) <= 0.0 => Request::TakePhotos {
-            interval: 0.0,
-            count: 1,
-        },
-        number::DO_SET_CAM_TRIGG_DIST => Request::PhotosByDistance {
+        number::DO_SET_CAM_TRIGG_DIST if p.is(3, 1.0) && p.number(1) <= 0.0 => Ok(ONE_PHOTO),
+        number::DO_SET_CAM_TRIGG_DIST if p.number(1) < 0.0 => Err(CommandResult::Denied),
+        number::DO_SET_CAM_TRIGG_DIST => Ok(Request::PhotosByDistance {
             distance: p.number(1),
-        },
+        }),
         _ => return None,
-    };
-    Some(match request {
-        // Several, or without end, need time between two.
-        Request::TakePhotos { interval, count } if interval < 0.0 || count != 1 && interval == 0.0 => {
-            Meaning::Answer(CommandResult::Denied)
-        }
-        Request::PhotosByDistance { distance } if distance < 0.0 => Meaning::Answer(CommandResult::Denied),
-        request => Meaning::Request(request),
     })
+}
+
+/// A count of 0 is without end: nothing else that is less than one photo may become it. Several, or
+/// without end, need time between two.
+fn photos(interval: f32, count: f32) -> Translated {
+    let is_count = count == 0.0 || count >= 1.0;
+    let count = count as u32;
+    if !is_count || interval < 0.0 || count != 1 && interval == 0.0 {
+        return Err(CommandResult::Denied);
+    }
+    Ok(Request::TakePhotos { interval, count })
 }
