@@ -5,6 +5,7 @@ use core::fmt;
 use windhover_autopilot::mission::{MAX_ITEMS, Reason, Refusal};
 
 use super::{MissionResult, PlanRefusal};
+use crate::scale::integer;
 use crate::text::{Decimal, Plain, Whole};
 
 impl PlanRefusal {
@@ -57,14 +58,14 @@ impl fmt::Display for Words<'_> {
                 write!(f, "{field}: {value} is outside {min} to {max}")
             }
             Reason::Distance { value, max } => {
-                let [value, max] = [value, max].map(|metres| Whole(metres as u32));
+                let [value, max] = [value, max].map(|metres| Whole(integer(metres, 1).unsigned_abs()));
                 write!(f, "{field}: {value} m from home, the limit is {max} m")
             }
             Reason::NoWaypoint => write!(f, "{field}: nothing to fly to; add a waypoint"),
             Reason::Missing => write!(f, "{field}: the item is missing"),
             Reason::TooMany(count) => {
                 let [count, most] = [count, MAX_ITEMS].map(|number| Whole(number as u32));
-                write!(f, "{field}: {count} items, there is room for {most}")
+                write!(f, "{field}: {count} items, the vehicle stores {most}")
             }
             Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
             Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
@@ -74,6 +75,11 @@ impl fmt::Display for Words<'_> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::iter::successors;
+    use std::string::ToString;
+
     use windhover_autopilot::mission::MissionItem;
     use windhover_autopilot::mission::action::interpret;
 
@@ -122,6 +128,41 @@ mod tests {
         ] {
             let refusal = refused(item);
             assert_eq!((refusal.result, refusal.reason.as_str()), (result, reason));
+        }
+    }
+
+    /// The reason after this one, in the order of their declaration: a new one must find its place.
+    fn next(reason: &Reason) -> Option<Reason> {
+        Some(match reason {
+            Reason::Command(_) => Reason::Frame(10),
+            Reason::Frame(_) => Reason::NotANumber,
+            Reason::NotANumber => Reason::Range {
+                value: -0.0625,
+                min: 0.5,
+                max: 65_535.0,
+            },
+            Reason::Range { .. } => Reason::Distance {
+                value: 1_234.6,
+                max: 999.9,
+            },
+            Reason::Distance { .. } => Reason::NoWaypoint,
+            Reason::NoWaypoint => Reason::Missing,
+            Reason::Missing => Reason::TooMany(MAX_ITEMS + 1),
+            Reason::TooMany(_) => Reason::Jump,
+            Reason::Jump => Reason::Fence,
+            Reason::Fence => return None,
+        })
+    }
+
+    /// Logs and the simulator show the core's words: by radio the same is said.
+    #[test]
+    fn every_reason_is_in_the_autopilots_own_words() {
+        for reason in successors(Some(Reason::Command(84)), next) {
+            let refusal = Refusal {
+                field: "some field",
+                reason,
+            };
+            assert_eq!(Words(&refusal).to_string(), refusal.to_string());
         }
     }
 }
