@@ -31,9 +31,8 @@ pub(crate) struct Parameters {
     plain: [Option<f32>; 4],
     /// Parameters 5 and 6 as numbers.
     five_six: [Option<f32>; 2],
+    /// Parameters 5 and 6 as a place, which may be none on Earth.
     pub(super) ground: Option<Ground>,
-    /// Whether parameters 5 and 6 as a place are none on Earth.
-    pub(super) is_off_earth: bool,
     seven: Option<f32>,
     pub(super) datum: Datum,
 }
@@ -50,7 +49,6 @@ impl Parameters {
             plain: [one, two, three, four],
             five_six: [five, six],
             ground: place.and_then(given),
-            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
             seven,
             datum: Datum::Implied,
         }
@@ -66,7 +64,6 @@ impl Parameters {
             plain: payload.floats(0).map(set),
             five_six: places.map(|value| (value != i32::MAX).then_some(value as f32)),
             ground: place.and_then(given),
-            is_off_earth: place.is_some_and(|place| !place.is_on_earth()),
             seven: set(payload.float(24)),
             datum: datum(payload.byte(FRAME)),
         }

@@ -58,7 +58,7 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
         if p.datum == Datum::Unsupported && is_placed {
             return Meaning::Answer(CommandResult::UnsupportedFrame);
         }
-        if p.is_off_earth {
+        if p.ground.is_some_and(|place| !place.is_on_earth()) {
             return Meaning::Answer(CommandResult::Denied);
         }
     }
