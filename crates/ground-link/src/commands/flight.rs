@@ -61,7 +61,13 @@ fn go(p: &Parameters, heading: Option<f32>, speed: Option<f32>) -> Request {
     }
 }
 
+/// -1, or none, is "no change": then there is nothing to do. -2 is the default.
 pub(super) fn speed(p: &Parameters) -> Translated {
+    let speed = match p.get(2) {
+        None | Some(-1.0) => return Err(CommandResult::Accepted),
+        Some(-2.0) => None,
+        speed => speed,
+    };
     // 0 is air speed: to a multicopter the same as ground speed.
     let kind = match p.number(1) {
         0.0 | 1.0 => SpeedKind::Ground,
@@ -69,7 +75,6 @@ pub(super) fn speed(p: &Parameters) -> Translated {
         3.0 => SpeedKind::Descent,
         _ => return Err(CommandResult::Denied),
     };
-    let speed = p.get(2).filter(|speed| *speed != -2.0);
     match speed {
         Some(speed) if speed <= 0.0 => Err(CommandResult::Denied),
         speed => Ok(Request::ChangeSpeed { kind, speed }),

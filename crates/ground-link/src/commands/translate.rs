@@ -62,9 +62,6 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
             return Meaning::Answer(CommandResult::Denied);
         }
     }
-    if command == number::DO_CHANGE_SPEED && !p.get(2).is_some_and(|speed| speed != -1.0) {
-        return Meaning::Answer(CommandResult::Accepted); // "no change"
-    }
     let request = match command {
         number::COMPONENT_ARM_DISARM => flight::arm(p),
         number::DO_FLIGHTTERMINATION if p.number(1) > 0.5 => Ok(Request::Kill),
