@@ -2,8 +2,14 @@
 
 use core::f32::consts::PI;
 
+use mavlink::dialects::common::MavFrame;
+use windhover_autopilot::mission::action::Altitude;
+
 /// Radians in a degree.
 pub(crate) const DEGREE: f32 = PI / 180.0;
+
+/// 1e-7 degrees in a degree.
+pub(crate) const E7: u32 = 10_000_000;
 
 /// Numbers from outside end here: whatever is done with them later, their squares are finite.
 const LARGEST: f32 = 1e9;
@@ -90,11 +96,53 @@ pub(crate) fn centidegrees(angle: Option<f32>) -> u16 {
     (scaled(positive / DEGREE, 100, 0, (0, 36_000)) % 36_000) as u16
 }
 
+/// What an altitude counts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Datum {
+    SeaLevel,
+    Home,
+    /// As the client's idea of us has it.
+    Implied,
+    Unsupported,
+}
+
+impl Datum {
+    /// That of a `MAV_FRAME`.
+    #[inline(never)]
+    pub fn of(frame: u8) -> Self {
+        const SEA_LEVEL: [u8; 2] = [
+            MavFrame::MAV_FRAME_GLOBAL as u8,
+            MavFrame::MAV_FRAME_GLOBAL_INT as u8,
+        ];
+        const HOME: [u8; 2] = [
+            MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT as u8,
+            MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT as u8,
+        ];
+        match frame {
+            frame if SEA_LEVEL.contains(&frame) => Self::SeaLevel,
+            frame if HOME.contains(&frame) => Self::Home,
+            frame if frame == MavFrame::MAV_FRAME_MISSION as u8 => Self::Implied,
+            _ => Self::Unsupported,
+        }
+    }
+
+    /// So many metres from there; `None` where that is not said.
+    pub fn altitude(self, metres: f32) -> Option<Altitude> {
+        match self {
+            Self::SeaLevel => Some(Altitude::SeaLevel(metres)),
+            Self::Home => Some(Altitude::Home(metres)),
+            Self::Implied | Self::Unsupported => None,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
 
     use proptest::prelude::*;
+    use windhover_autopilot::mission::MissionItem;
+    use windhover_autopilot::mission::action::{Action, interpret};
 
     use super::*;
 
@@ -114,6 +162,27 @@ mod tests {
             (0, 0x7fff, -123)
         );
         assert_eq!((set(f32::NAN), set(-3e38)), (None, Some(-LARGEST)));
+    }
+
+    /// The same frame must not mean one altitude in a command and another in a mission.
+    #[test]
+    fn altitudes_count_as_in_a_mission_in_every_frame() {
+        for frame in 0..=u8::MAX {
+            let item = MissionItem {
+                command: 16,
+                frame,
+                autocontinue: true,
+                params: [0.0; 4],
+                x: 473_977_418,
+                y: 85_455_938,
+                z: 30.5,
+            };
+            let flown = match interpret(&item) {
+                Ok(Action::Waypoint { place, .. }) => Some(place.altitude),
+                _ => None,
+            };
+            assert_eq!(Datum::of(frame).altitude(30.5), flown, "frame {frame}");
+        }
     }
 
     proptest! {

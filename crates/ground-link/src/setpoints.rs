@@ -8,7 +8,7 @@ use windhover_math::{Quaternion, Vector3, saturate};
 
 use crate::frame::Address;
 use crate::request::{Ground, Request};
-use crate::scale::set;
+use crate::scale::{Datum, set};
 use crate::wire::Payload;
 
 /// Where the two messages of position targets have their position, motion, mask, target and frame.
@@ -135,11 +135,10 @@ pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Request> {
         return None;
     }
     let mask = payload.word(MASK);
-    let datum = match payload.byte(FRAME) {
-        0 | 5 => Altitude::SeaLevel,
-        3 | 6 => Altitude::Home,
-        _ => return None,
-    };
+    let datum = Datum::of(payload.byte(FRAME));
+    if !matches!(datum, Datum::SeaLevel | Datum::Home) {
+        return None;
+    }
     let on_map = mask & 0b11 == 0;
     let ground = Ground {
         latitude: payload.integer(POSITION),
@@ -150,7 +149,7 @@ pub(crate) fn global(payload: Payload<'_>, own: Address) -> Option<Request> {
     }
     Some(Request::Offboard(Setpoint::Global {
         ground: on_map.then_some(ground),
-        altitude: unmasked(payload.float(POSITION + 8), mask, 2).map(datum),
+        altitude: unmasked(payload.float(POSITION + 8), mask, 2).and_then(|metres| datum.altitude(metres)),
         motion: motion(payload),
     }))
 }

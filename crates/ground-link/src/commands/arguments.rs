@@ -2,28 +2,12 @@
 //!
 //! Parameters that are not set come as NaN, in `COMMAND_INT` also as the largest integer.
 
-use mavlink::dialects::common::MavFrame;
 use windhover_autopilot::mission::action::{Altitude, Place};
 
+use super::FRAME;
 use crate::request::Ground;
-use crate::scale::{integer, set};
+use crate::scale::{Datum, E7, integer, set};
 use crate::wire::Payload;
-
-/// Where `COMMAND_INT` has its frame.
-const FRAME: usize = 32;
-
-/// 1e-7 degrees in a degree.
-const E7: u32 = 10_000_000;
-
-/// How an altitude counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Datum {
-    SeaLevel,
-    Home,
-    /// As the client's idea of us has it.
-    Implied,
-    Unsupported,
-}
 
 /// Parameters of a command, `None` where they are not set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +49,7 @@ impl Parameters {
             five_six: places.map(|value| (value != i32::MAX).then_some(value as f32)),
             ground: place.and_then(given),
             seven: set(payload.float(24)),
-            datum: datum(payload.byte(FRAME)),
+            datum: Datum::of(payload.byte(FRAME)),
         }
     }
 
@@ -94,10 +78,8 @@ impl Parameters {
     pub(super) fn altitude(&self, implied: fn(f32) -> Altitude) -> Option<Altitude> {
         let altitude = self.seven?;
         match self.datum {
-            Datum::SeaLevel => Some(Altitude::SeaLevel(altitude)),
-            Datum::Home => Some(Altitude::Home(altitude)),
             Datum::Implied => Some(implied(altitude)),
-            Datum::Unsupported => None,
+            datum => datum.altitude(altitude),
         }
     }
 
@@ -117,21 +99,4 @@ impl Parameters {
 fn given(place: Ground) -> Option<Ground> {
     let is_nowhere = (place.latitude, place.longitude) == (0, 0);
     (!is_nowhere).then_some(place)
-}
-
-pub(super) fn datum(frame: u8) -> Datum {
-    const SEA_LEVEL: [u8; 2] = [
-        MavFrame::MAV_FRAME_GLOBAL as u8,
-        MavFrame::MAV_FRAME_GLOBAL_INT as u8,
-    ];
-    const HOME: [u8; 2] = [
-        MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT as u8,
-        MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT as u8,
-    ];
-    match frame {
-        frame if SEA_LEVEL.contains(&frame) => Datum::SeaLevel,
-        frame if HOME.contains(&frame) => Datum::Home,
-        frame if frame == MavFrame::MAV_FRAME_MISSION as u8 => Datum::Implied,
-        _ => Datum::Unsupported,
-    }
 }

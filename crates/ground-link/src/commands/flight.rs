@@ -4,11 +4,11 @@ use windhover_autopilot::mission::action::Altitude;
 use windhover_math::wrap_pi;
 
 use super::CommandResult;
-use super::arguments::{Datum, Parameters, datum};
+use super::arguments::Parameters;
 use super::translate::{Identity, Translated};
 use crate::mode::Mode;
 use crate::request::{Request, SpeedKind};
-use crate::scale::DEGREE;
+use crate::scale::{DEGREE, Datum};
 
 /// The number that forces arming and disarming.
 const FORCE: f32 = 21_196.0;
@@ -84,14 +84,10 @@ pub(super) fn speed(p: &Parameters) -> Translated {
 /// Parameter 1 is the altitude, 2 the frame that it counts in.
 pub(super) fn altitude(p: &Parameters) -> Translated {
     let value = p.get(1).ok_or(CommandResult::Denied)?;
-    let altitude = match datum(p.number(2) as u8) {
-        Datum::SeaLevel => Altitude::SeaLevel(value),
-        Datum::Home => Altitude::Home(value),
-        _ => return Err(CommandResult::UnsupportedFrame),
-    };
+    let altitude = Datum::of(p.number(2) as u8).altitude(value);
     Ok(Request::Reposition {
         place: None,
-        altitude: Some(altitude),
+        altitude: Some(altitude.ok_or(CommandResult::UnsupportedFrame)?),
         heading: None,
         speed: None,
     })

@@ -3,9 +3,10 @@
 //! Parameters that are not set are `None` here, and never a reason to refuse. Commands and
 //! parameters are MAVLink's (`common.xml`).
 
-use super::arguments::{Datum, Parameters};
+use super::arguments::Parameters;
 use super::{CommandResult, flight, number, upkeep};
 use crate::request::Request;
+use crate::scale::Datum;
 
 /// As which autopilot the vehicle introduces itself: it decides what clients mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use windhover_autopilot::mission::MissionItem;
 
 use super::PlanKind;
 use crate::frame::Address;
-use crate::scale::integer;
+use crate::scale::{E7, integer};
 use crate::wire::{Message, Payload};
 
 /// Where `MISSION_ITEM_INT` and `MISSION_ITEM` have what is not a parameter.
@@ -33,7 +33,7 @@ pub(super) struct Received {
 /// degrees, and become 1e-7 degrees.
 pub(super) fn read(payload: Payload<'_>, is_float: bool) -> Received {
     let frame = payload.byte(FRAME);
-    let factor = if frame == NO_POSITION { 1 } else { 10_000_000 };
+    let factor = if frame == NO_POSITION { 1 } else { E7 };
     let [x, y] = [16, 20].map(|at| match is_float {
         true => integer(payload.float(at), factor),
         false => payload.integer(at),
