@@ -3,6 +3,9 @@
 //! Parameters that are not set are `None` here, and never a reason to refuse. Commands and
 //! parameters are MAVLink's (`common.xml`).
 
+use mavlink::MessageData;
+use mavlink::dialects::common::{AUTOPILOT_VERSION_DATA, HOME_POSITION_DATA, PROTOCOL_VERSION_DATA};
+
 use super::arguments::Parameters;
 use super::{CommandResult, flight, number, upkeep};
 use crate::request::Request;
@@ -116,22 +119,22 @@ const UNSUPPORTED: Meaning = Meaning::Answer(CommandResult::Unsupported);
 /// A request, or the answer in its place.
 pub(super) type Translated = Result<Request, CommandResult>;
 
-/// Commands about messages: `HOME_POSITION` 242, `PROTOCOL_VERSION` 300, `AUTOPILOT_VERSION` 148.
+/// Commands about messages.
 #[inline(never)]
 fn messages(command: u16, p: &Parameters) -> Option<Meaning> {
     let message = p.number(1) as u32;
     Some(Meaning::Ours(match command {
         number::GET_HOME_POSITION => Ours::Once {
             command,
-            message: 242,
+            message: HOME_POSITION_DATA::ID,
         },
         number::REQUEST_PROTOCOL_VERSION => Ours::Once {
             command,
-            message: 300,
+            message: PROTOCOL_VERSION_DATA::ID,
         },
         number::REQUEST_AUTOPILOT_CAPABILITIES => Ours::Once {
             command,
-            message: 148,
+            message: AUTOPILOT_VERSION_DATA::ID,
         },
         number::REQUEST_MESSAGE => Ours::Once { command, message },
         number::GET_MESSAGE_INTERVAL => Ours::Interval { message },

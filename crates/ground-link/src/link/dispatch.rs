@@ -155,11 +155,17 @@ impl Core {
     fn do_ours(&mut self, ours: Ours, now: u64, context: &Context<'_>) -> (CommandResult, Option<Reply>) {
         let number = |message: u32| u16::try_from(message).unwrap_or(u16::MAX);
         match ours {
-            Ours::Once { message: 148, .. } => {
+            Ours::Once {
+                message: wire::AUTOPILOT_VERSION_DATA::ID,
+                ..
+            } => {
                 self.say_version();
                 (CommandResult::Accepted, Some(Reply::Version))
             }
-            Ours::Once { message: 300, .. } => (CommandResult::Accepted, Some(Reply::Protocol)),
+            Ours::Once {
+                message: wire::PROTOCOL_VERSION_DATA::ID,
+                ..
+            } => (CommandResult::Accepted, Some(Reply::Protocol)),
             Ours::Once { message, .. } if !streams::exists(message) => (CommandResult::Unsupported, None),
             Ours::Once { message, .. } => {
                 // Written twice, so that what is not known now is refused.
@@ -170,9 +176,10 @@ impl Core {
                 }
             }
             // Whoever hears none believes the vehicle lost.
-            Ours::Every { message: 0, interval } if !matches!(interval, Some(0..=1_000_000)) => {
-                (CommandResult::Denied, None)
-            }
+            Ours::Every {
+                message: wire::HEARTBEAT_DATA::ID,
+                interval,
+            } if !matches!(interval, Some(0..=1_000_000)) => (CommandResult::Denied, None),
             Ours::Every { message, interval } => match self.streams.set(message, interval, context.time(now))
             {
                 true => (CommandResult::Accepted, None),

@@ -4,6 +4,8 @@ mod flight;
 mod place;
 mod power;
 
+use mavlink::MessageData;
+use mavlink::dialects::common as wire;
 use windhover_autopilot::MissionCommit;
 
 use crate::commands::Identity;
@@ -32,22 +34,23 @@ impl Source<'_> {
 /// A message of telemetry by its number; `false` when there is no such one, or when nothing is
 /// known that it could say.
 pub(crate) fn message(number: u16, source: &Source<'_>, m: &mut Message) -> bool {
-    m.start(u32::from(number));
+    let number = u32::from(number);
+    m.start(number);
     match number {
-        0 => flight::heartbeat(source, m),
-        1 => power::sys_status(source, m),
-        2 => flight::system_time(source, m),
-        24 => place::gps_raw_int(source, m),
-        30 => return flight::attitude(source, m).is_some(),
-        31 => return flight::attitude_quaternion(source, m).is_some(),
-        32 => return place::local_position(source, m).is_some(),
-        33 => return place::global_position(source, m).is_some(),
-        36 => flight::servo_output(source, m),
-        42 => flight::mission_current(source, m),
-        74 => flight::vfr_hud(source, m),
-        147 => power::battery_status(source, m),
-        242 => return place::home_position(source, m).is_some(),
-        245 => flight::extended_sys_state(source, m),
+        wire::HEARTBEAT_DATA::ID => flight::heartbeat(source, m),
+        wire::SYS_STATUS_DATA::ID => power::sys_status(source, m),
+        wire::SYSTEM_TIME_DATA::ID => flight::system_time(source, m),
+        wire::GPS_RAW_INT_DATA::ID => place::gps_raw_int(source, m),
+        wire::ATTITUDE_DATA::ID => return flight::attitude(source, m).is_some(),
+        wire::ATTITUDE_QUATERNION_DATA::ID => return flight::attitude_quaternion(source, m).is_some(),
+        wire::LOCAL_POSITION_NED_DATA::ID => return place::local_position(source, m).is_some(),
+        wire::GLOBAL_POSITION_INT_DATA::ID => return place::global_position(source, m).is_some(),
+        wire::SERVO_OUTPUT_RAW_DATA::ID => flight::servo_output(source, m),
+        wire::MISSION_CURRENT_DATA::ID => flight::mission_current(source, m),
+        wire::VFR_HUD_DATA::ID => flight::vfr_hud(source, m),
+        wire::BATTERY_STATUS_DATA::ID => power::battery_status(source, m),
+        wire::HOME_POSITION_DATA::ID => return place::home_position(source, m).is_some(),
+        wire::EXTENDED_SYS_STATE_DATA::ID => flight::extended_sys_state(source, m),
         _ => return false,
     }
     true

@@ -8,6 +8,9 @@ pub mod budget;
 pub(crate) mod encode;
 pub(crate) mod version;
 
+use mavlink::MessageData;
+use mavlink::dialects::common as wire;
+
 use crate::frame::Address;
 use crate::wire::Payload;
 
@@ -26,42 +29,42 @@ struct Stream {
     group: u8,
 }
 
-const fn stream(message: u16, interval: u32, group: u8) -> Stream {
+const fn stream(message: u32, interval: u32, group: u8) -> Stream {
     Stream {
-        message,
+        message: message as u16,
         interval,
         group,
     }
 }
 
 /// `HEARTBEAT`.
-pub(crate) const HEARTBEAT: u16 = 0;
+pub(crate) const HEARTBEAT: u16 = wire::HEARTBEAT_DATA::ID as u16;
 /// `EXTENDED_SYS_STATE`.
-pub(crate) const EXTENDED_SYS_STATE: u16 = 245;
+pub(crate) const EXTENDED_SYS_STATE: u16 = wire::EXTENDED_SYS_STATE_DATA::ID as u16;
 /// `HOME_POSITION`.
-pub(crate) const HOME_POSITION: u16 = 242;
+pub(crate) const HOME_POSITION: u16 = wire::HOME_POSITION_DATA::ID as u16;
 /// `MISSION_CURRENT`.
-pub(crate) const MISSION_CURRENT: u16 = 42;
+pub(crate) const MISSION_CURRENT: u16 = wire::MISSION_CURRENT_DATA::ID as u16;
 
 /// How many messages are streamed.
 pub(crate) const STREAMS: usize = 14;
 
 /// All of them, the most important first.
 static TABLE: [Stream; STREAMS] = [
-    stream(HEARTBEAT, 1_000_000, 0),
-    stream(EXTENDED_SYS_STATE, 500_000, 2),
-    stream(1, 500_000, 2),   // SYS_STATUS
-    stream(33, 200_000, 6),  // GLOBAL_POSITION_INT
-    stream(30, 100_000, 10), // ATTITUDE
-    stream(MISSION_CURRENT, 500_000, 2),
-    stream(147, 1_000_000, 2), // BATTERY_STATUS
-    stream(24, 500_000, 2),    // GPS_RAW_INT
-    stream(74, 250_000, 11),   // VFR_HUD
-    stream(HOME_POSITION, 2_000_000, 0),
-    stream(32, 200_000, 6),   // LOCAL_POSITION_NED
-    stream(31, 200_000, 10),  // ATTITUDE_QUATERNION
-    stream(2, 1_000_000, 12), // SYSTEM_TIME
-    stream(36, 500_000, 3),   // SERVO_OUTPUT_RAW
+    stream(wire::HEARTBEAT_DATA::ID, 1_000_000, 0),
+    stream(wire::EXTENDED_SYS_STATE_DATA::ID, 500_000, 2),
+    stream(wire::SYS_STATUS_DATA::ID, 500_000, 2),
+    stream(wire::GLOBAL_POSITION_INT_DATA::ID, 200_000, 6),
+    stream(wire::ATTITUDE_DATA::ID, 100_000, 10),
+    stream(wire::MISSION_CURRENT_DATA::ID, 500_000, 2),
+    stream(wire::BATTERY_STATUS_DATA::ID, 1_000_000, 2),
+    stream(wire::GPS_RAW_INT_DATA::ID, 500_000, 2),
+    stream(wire::VFR_HUD_DATA::ID, 250_000, 11),
+    stream(wire::HOME_POSITION_DATA::ID, 2_000_000, 0),
+    stream(wire::LOCAL_POSITION_NED_DATA::ID, 200_000, 6),
+    stream(wire::ATTITUDE_QUATERNION_DATA::ID, 200_000, 10),
+    stream(wire::SYSTEM_TIME_DATA::ID, 1_000_000, 12),
+    stream(wire::SERVO_OUTPUT_RAW_DATA::ID, 500_000, 3),
 ];
 
 /// When a stream is due.
