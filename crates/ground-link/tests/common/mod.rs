@@ -26,10 +26,37 @@ pub const VEHICLE: Address = Address {
     component: 1,
 };
 
-/// The messages that the link acts on.
+/// The messages that the link acts on. Seeds of the fuzzer name them by their place here: a new one
+/// comes last.
 pub const UNDERSTOOD: &[u32] = &[
-    0, 4, 11, 20, 21, 23, 37, 38, 39, 40, 41, 43, 44, 45, 47, 51, 66, 69, 70, 73, 75, 76, 82, 84, 86, 110,
-    111, 256,
+    HEARTBEAT_DATA::ID,
+    PING_DATA::ID,
+    SET_MODE_DATA::ID,
+    PARAM_REQUEST_READ_DATA::ID,
+    PARAM_REQUEST_LIST_DATA::ID,
+    PARAM_SET_DATA::ID,
+    MISSION_REQUEST_PARTIAL_LIST_DATA::ID,
+    MISSION_WRITE_PARTIAL_LIST_DATA::ID,
+    MISSION_ITEM_DATA::ID,
+    MISSION_REQUEST_DATA::ID,
+    MISSION_SET_CURRENT_DATA::ID,
+    MISSION_REQUEST_LIST_DATA::ID,
+    MISSION_COUNT_DATA::ID,
+    MISSION_CLEAR_ALL_DATA::ID,
+    MISSION_ACK_DATA::ID,
+    MISSION_REQUEST_INT_DATA::ID,
+    REQUEST_DATA_STREAM_DATA::ID,
+    MANUAL_CONTROL_DATA::ID,
+    RC_CHANNELS_OVERRIDE_DATA::ID,
+    MISSION_ITEM_INT_DATA::ID,
+    COMMAND_INT_DATA::ID,
+    COMMAND_LONG_DATA::ID,
+    SET_ATTITUDE_TARGET_DATA::ID,
+    SET_POSITION_TARGET_LOCAL_NED_DATA::ID,
+    SET_POSITION_TARGET_GLOBAL_INT_DATA::ID,
+    FILE_TRANSFER_PROTOCOL_DATA::ID,
+    TIMESYNC_DATA::ID,
+    SETUP_SIGNING_DATA::ID,
 ];
 
 /// A command in a mission item that the store refuses.
