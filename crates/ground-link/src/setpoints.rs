@@ -4,7 +4,7 @@
 //! in the queue of requests.
 
 use windhover_autopilot::mission::action::Altitude;
-use windhover_math::{Quaternion, Vector3, saturate};
+use windhover_math::{Quaternion, saturate};
 
 use crate::frame::Address;
 use crate::request::{Ground, Request};
@@ -243,18 +243,5 @@ fn forceless(mask: u16) -> u16 {
         mask
     } else {
         mask | 0b111 << 6
-    }
-}
-
-impl Setpoint {
-    /// The velocity, where all three are given.
-    pub fn velocity(&self) -> Option<Vector3> {
-        match self {
-            Self::Local { motion, .. } | Self::Global { motion, .. } => match motion.velocity {
-                [Some(x), Some(y), Some(z)] => Some(Vector3::new(x, y, z)),
-                _ => None,
-            },
-            Self::Attitude { .. } => None,
-        }
     }
 }

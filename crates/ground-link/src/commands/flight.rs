@@ -103,8 +103,9 @@ pub(super) fn mode(p: &Parameters) -> Translated {
         .ok_or(CommandResult::Denied)
 }
 
-pub(super) fn index(p: &Parameters, number: usize) -> Result<u16, CommandResult> {
-    match p.number(number) {
+/// Parameter 1 is an item of the mission.
+pub(super) fn index(p: &Parameters) -> Result<u16, CommandResult> {
+    match p.number(1) {
         index @ 0.0..=65_534.0 => Ok(index as u16),
         _ => Err(CommandResult::Denied),
     }

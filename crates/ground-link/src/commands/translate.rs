@@ -81,8 +81,8 @@ pub(crate) fn meaning(command: u16, p: &Parameters, identity: Identity) -> Meani
         number::DO_CHANGE_SPEED => flight::speed(p),
         number::DO_CHANGE_ALTITUDE => flight::altitude(p),
         number::DO_SET_MODE => flight::mode(p),
-        number::MISSION_START => flight::index(p, 1).map(|first| Request::StartMission { first }),
-        number::DO_SET_MISSION_CURRENT => flight::index(p, 1).map(|index| Request::SetCurrentItem { index }),
+        number::MISSION_START => flight::index(p).map(|first| Request::StartMission { first }),
+        number::DO_SET_MISSION_CURRENT => flight::index(p).map(|index| Request::SetCurrentItem { index }),
         number::DO_SET_HOME => flight::home(p),
         number::DO_SET_ROI_NONE => Ok(Request::LookAt(None)),
         number::DO_SET_ROI_LOCATION | number::DO_SET_ROI => p
