@@ -1,5 +1,6 @@
-//! The ground link of a vehicle that refuses all that can be refused: noise and valid frames with any
-//! content make it accept no plan and ask for no write out of range, and afterwards it still answers.
+//! The ground link of a vehicle that refuses all that can be refused: noise and valid frames with
+//! any content make it accept no plan and ask for no write out of range, and afterwards it still
+//! answers.
 #![no_main]
 #![allow(deprecated)]
 

@@ -1,5 +1,5 @@
-//! The mission service as a state machine: two ground stations upload, download, clear and cancel in
-//! any order, with anything in between. What is stored changes by a whole valid upload only (the
+//! The mission service as a state machine: two ground stations upload, download, clear and cancel
+//! in any order, with anything in between. What is stored changes by a whole valid upload only (the
 //! store asserts that it is whole and in order), and afterwards the link still answers.
 #![no_main]
 #![allow(deprecated)]

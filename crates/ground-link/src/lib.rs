@@ -7,10 +7,11 @@
 //!   state machine of its own;
 //! - [`Link`] ties them together for one channel: a serial port, a socket.
 //!
-//! Nothing here knows a clock, a heap, a flight mode or a motor. What a ground station asks for
-//! goes out as a [`Request`]; what it is told comes in as [`Telemetry`], a table of parameters and
-//! a store of plans. Degrees and scaled integers end here: inside are SI units, radians and NED,
-//! and a number that says "unset" is an `Option`.
+//! Nothing here has a clock or a heap, or decides what is flown and which motor turns. What a
+//! ground station asks for goes out as a [`Request`]; what it is told comes in as [`Telemetry`], a
+//! table of parameters and a store of plans. Degrees and scaled integers end here, but for
+//! latitudes and longitudes, which the core has in 1e-7 degrees too: inside are SI units, radians
+//! and NED, and a number that says "unset" is an `Option`.
 //!
 //! Around a [`Link`] a vehicle does this, every few milliseconds:
 //!

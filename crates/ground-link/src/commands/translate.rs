@@ -1,7 +1,7 @@
 //! What a command means: from its number and parameters to a request.
 //!
-//! Parameters that are not set are `None` here, and never a reason to refuse. Commands and
-//! parameters are MAVLink's (`common.xml`).
+//! Parameters that are not set are `None` here, and a reason to refuse only where a command means
+//! nothing without them. Commands and parameters are MAVLink's (`common.xml`).
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{AUTOPILOT_VERSION_DATA, HOME_POSITION_DATA, PROTOCOL_VERSION_DATA};

@@ -1,4 +1,5 @@
-//! Commands about the vehicle itself and its camera: calibrations, storage, tests of motors, photos.
+//! Commands about the vehicle itself and its camera: calibrations, storage, tests of motors,
+//! photos.
 
 use super::arguments::Parameters;
 use super::translate::Translated;

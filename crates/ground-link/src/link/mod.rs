@@ -1,6 +1,7 @@
 //! All services on one channel.
 //!
-//! What a caller calls is `inline(never)`: callers are compiled for speed.
+//! What a caller calls is `inline(never)`, unless it is a line or two: callers are compiled for
+//! speed.
 
 mod dispatch;
 mod recent;
