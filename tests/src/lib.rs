@@ -4,6 +4,7 @@
 //! - [`random`]: flights with everything drawn at random.
 //! - [`shaken`]: the core on an inertial sensor that rotors shake.
 //! - [`failsafe`]: flights in which something goes wrong.
+//! - [`station`]: a ground station at a simulated vehicle, without a socket or a clock.
 //! - [`mod@bench`]: the core and a world driven by hand, for what no orderly flight does.
 //! - Here: setups by name, and flights that are recorded and replayed whatever they are for.
 
@@ -12,6 +13,7 @@ pub mod failsafe;
 pub mod plan;
 pub mod random;
 pub mod shaken;
+pub mod station;
 pub mod trace;
 
 use std::path::Path;

@@ -399,7 +399,10 @@ fn speed(value: f32) -> Result<Option<f32>, Refusal> {
 }
 
 fn photos(interval: f32, count: f32) -> Result<Action, Refusal> {
-    let count = range("number of photos", unset_is_zero(count), 0.0, 65_535.0)? as u16;
+    let count = unset_is_zero(count);
+    // A part of a photo is not none, which goes on without an end.
+    let least = if count == 0.0 { 0.0 } else { 1.0 };
+    let count = range("number of photos", count, least, 65_535.0)? as u16;
     if count == 1 {
         return Ok(Action::Photo);
     }

@@ -238,6 +238,7 @@ fn parameters_out_of_range_are_named() {
         (IMAGE_START_CAPTURE, [0.0, 0.0, 2.0, 0.0], "photo interval"),
         (IMAGE_START_CAPTURE, [0.0, UNSET, 0.0, 0.0], "photo interval"),
         (IMAGE_START_CAPTURE, [0.0, 1.0, -1.0, 0.0], "number of photos"),
+        (IMAGE_START_CAPTURE, [0.0, 1.0, 0.5, 0.0], "number of photos"),
         (IMAGE_START_CAPTURE, [0.0, 1.0, 70_000.0, 0.0], "number of photos"),
     ];
     for (command, params, field) in cases {
