@@ -32,9 +32,14 @@ const LINK: Probe = Probe {
     ],
 };
 
+const VEHICLE: Probe = Probe {
+    program: "windhover-vehicle-probe",
+    functions: &["told_outer", "vehicle_receive", "vehicle_step", "vehicle_poll"],
+};
+
 /// The probes link, and all that is under proof is in them.
 pub fn links() -> Outcome {
-    for probe in [STEPS, LINK] {
+    for probe in [STEPS, LINK, VEHICLE] {
         let elf = linked(&probe)?;
         for function in probe.functions {
             match elf.symbol(function) {
@@ -60,7 +65,7 @@ fn linked(probe: &Probe) -> Result<Elf, String> {
 /// With an `unwrap` in what is under proof the probes do not link, for the panic's sake and no
 /// other.
 pub fn fails_to_link() -> Outcome {
-    for probe in [STEPS, LINK] {
+    for probe in [STEPS, LINK, VEHICLE] {
         let output = capture(build(&probe).args(["--features", "prove-it-fails"]))?;
         let words = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use windhover_parameters::Decimal;
+
 use crate::outer::OuterReport;
 use crate::set::bit_set;
 
@@ -90,19 +92,22 @@ pub struct Sentence<'a> {
 }
 
 impl fmt::Display for Sentence<'_> {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let battery = &self.report.battery;
         match (self.blocker, battery.voltage) {
             (Blocker::BatteryLow, Some(voltage)) if voltage < battery.arming_voltage => {
-                write!(f, "battery {voltage:.1} V below {:.1} V", battery.arming_voltage)
+                let [voltage, least] =
+                    [voltage, battery.arming_voltage].map(|volts| Decimal::rounded(volts, 1));
+                write!(f, "battery {voltage} V below {least} V")
             }
             (Blocker::BatteryLow, _) => {
-                let percent = battery.remaining.unwrap_or_default() * 100.0;
-                write!(f, "battery low: {percent:.0} % left")
+                let percent = Decimal::rounded(battery.remaining.unwrap_or_default() * 100.0, 0);
+                write!(f, "battery low: {percent} % left")
             }
             (Blocker::PositionUnknown, _) if self.report.estimate.known.position => {
-                let accuracy = self.report.estimate.accuracy.horizontal;
-                write!(f, "position not measured lately (within {accuracy:.1} m)")
+                let accuracy = Decimal::rounded(self.report.estimate.accuracy.horizontal, 1);
+                write!(f, "position not measured lately (within {accuracy} m)")
             }
             (other, _) => f.write_str(other.text()),
         }

@@ -15,8 +15,9 @@ use crate::checksum::update;
 use crate::frame::{Address, put};
 use crate::outbox::{Order, Outbox, Reply};
 use crate::request::Request;
-use crate::text::{Decimal, Plain, Severity};
+use crate::text::{Plain, Severity};
 use crate::wire::{Message, Payload};
+use windhover_parameters::Decimal;
 
 pub use constants::{Appended, QGROUNDCONTROL};
 
@@ -243,7 +244,7 @@ fn refuse(index: u16, refusal: Refusal, around: &mut Surroundings<'_>) {
     let name = Plain(name);
     match refusal {
         Refusal::OutOfRange { min, max } => {
-            let (min, max) = (Decimal(min), Decimal(max));
+            let (min, max) = (Decimal::new(min), Decimal::new(max));
             let text = format_args!("{name}: the range is {min} to {max}");
             around.outbox.say(Severity::Warning, text);
         }

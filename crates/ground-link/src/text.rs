@@ -79,61 +79,6 @@ impl fmt::Display for Plain<'_> {
     }
 }
 
-/// A whole number as text, for the same reason.
-#[derive(Clone, Copy, Debug)]
-pub struct Whole(pub u32);
-
-impl fmt::Display for Whole {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (mut digits, mut rest, mut start) = ([0; 10], self.0, 10);
-        for place in digits.iter_mut().rev() {
-            *place = b'0' + (rest % 10) as u8;
-            rest /= 10;
-            start -= 1;
-            if rest == 0 {
-                break;
-            }
-        }
-        let digits = digits.get(start..).unwrap_or_default();
-        f.write_str(core::str::from_utf8(digits).unwrap_or_default())
-    }
-}
-
-/// A number as text with up to four decimals: the standard way costs a tenth of our flash.
-#[derive(Clone, Copy, Debug)]
-pub struct Decimal(pub f32);
-
-impl fmt::Display for Decimal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_nan() {
-            return f.write_str("nan");
-        }
-        let size = self.0.abs();
-        if size >= 1e9 {
-            return f.write_str(if self.0 < 0.0 { "below -1e9" } else { "above 1e9" });
-        }
-        let (mut whole, mut rest) = (size as u32, ((size - size as u32 as f32) * 1e4 + 0.5) as u32);
-        if rest >= 10_000 {
-            (whole, rest) = (whole + 1, 0);
-        }
-        if self.0 < 0.0 && (whole, rest) != (0, 0) {
-            f.write_str("-")?;
-        }
-        Whole(whole).fmt(f)?;
-        if rest == 0 {
-            return Ok(());
-        }
-        f.write_str(".")?;
-        let mut place = 1_000;
-        while rest != 0 && place != 0 {
-            Whole(rest / place).fmt(f)?;
-            rest %= place;
-            place /= 10;
-        }
-        Ok(())
-    }
-}
-
 #[derive(Clone, Debug, PartialEq)]
 struct Waiting {
     severity: Severity,
@@ -251,32 +196,5 @@ mod tests {
         }
         assert_eq!(texts.dropped(), 3);
         assert_eq!(Line::new(format_args!("{:ä<300}", "")).as_str().len(), LINE);
-    }
-
-    #[test]
-    fn whole_numbers_have_all_their_digits() {
-        for number in [0, 7, 10, 99, 100, 4_294_967_295] {
-            assert_eq!(format!("{}", Whole(number)), format!("{number}"));
-        }
-    }
-
-    #[test]
-    fn numbers_are_written_with_the_decimals_that_they_need() {
-        for (number, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (1.5, "1.5"),
-            (-2.0, "-2"),
-            (0.02, "0.02"),
-            (-0.25, "-0.25"),
-            (0.99999, "1"),
-            (4000.0, "4000"),
-            (10.05, "10.05"),
-            (0.000_01, "0"),
-            (f32::NAN, "nan"),
-            (f32::NEG_INFINITY, "below -1e9"),
-        ] {
-            assert_eq!(format!("{}", Decimal(number)), text);
-        }
     }
 }

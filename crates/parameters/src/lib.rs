@@ -27,6 +27,10 @@
 //! ```
 #![no_std]
 
+mod decimal;
+
+pub use decimal::{Decimal, Whole};
+
 /// One parameter as its owner declares it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Declaration {

@@ -18,6 +18,7 @@ mod calibrate;
 mod changes;
 mod command;
 mod plans;
+mod refusal;
 mod setpoint;
 mod shutter;
 mod state;
@@ -156,33 +157,27 @@ impl VehicleLink {
     }
 
     /// A link takes bytes that have come, at `now` µs.
-    pub fn receive<M: PlanMedium>(&mut self, link: &mut Link, bytes: &[u8], now: u64, medium: &mut M) {
+    pub fn receive(&mut self, link: &mut Link, bytes: &[u8], now: u64, medium: &mut dyn PlanMedium) {
         self.with_context(medium, |context| link.receive(bytes, now, context));
     }
 
     /// A link takes a packet that has come whole, at `now` µs.
-    pub fn receive_packet<M: PlanMedium>(
-        &mut self,
-        link: &mut Link,
-        packet: &[u8],
-        now: u64,
-        medium: &mut M,
-    ) {
+    pub fn receive_packet(&mut self, link: &mut Link, packet: &[u8], now: u64, medium: &mut dyn PlanMedium) {
         self.with_context(medium, |context| link.receive_packet(packet, now, context));
     }
 
     /// A link gives the frames that are to be sent at `now` µs.
-    pub fn poll<M: PlanMedium>(
+    pub fn poll(
         &mut self,
         link: &mut Link,
         now: u64,
-        medium: &mut M,
+        medium: &mut dyn PlanMedium,
         out: &mut dyn FnMut(&[u8]),
     ) {
         self.with_context(medium, |context| link.poll(now, context, out));
     }
 
-    fn with_context<M: PlanMedium>(&mut self, medium: &mut M, act: impl FnOnce(&mut Context<'_>)) {
+    fn with_context(&mut self, medium: &mut dyn PlanMedium, act: impl FnOnce(&mut Context<'_>)) {
         let Self {
             parameters,
             telemetry,

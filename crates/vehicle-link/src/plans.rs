@@ -1,5 +1,6 @@
 //! Plans: staged beside the one in use, and committed whole when the core has taken them.
 
+use crate::refusal::of_item;
 use windhover_autopilot::fence::{self, Rally};
 use windhover_autopilot::mission::route::Stored;
 use windhover_autopilot::mission::{MissionItem, MissionSource, PlanMemory, check};
@@ -108,14 +109,14 @@ impl PlanState {
 }
 
 /// The store that links see.
-pub struct Plans<'a, M> {
+pub struct Plans<'a> {
     pub state: &'a mut PlanState,
-    pub medium: &'a mut M,
+    pub medium: &'a mut dyn PlanMedium,
     pub report: &'a OuterReport,
     pub parameters: &'a Parameters,
 }
 
-impl<M: PlanMedium> Plans<'_, M> {
+impl Plans<'_> {
     /// A mission that is being flown, or that a failsafe has interrupted, stays.
     fn is_flown(&self, kind: PlanKind) -> bool {
         let report = self.report;
@@ -135,7 +136,7 @@ impl<M: PlanMedium> Plans<'_, M> {
                 let stored = Stored { slot, count };
                 let home = self.report.origin;
                 check(&*self.medium, stored, home, &self.parameters.mission)
-                    .map_err(|(index, refusal)| PlanRefusal::of_item(index, &refusal))
+                    .map_err(|(index, refusal)| of_item(index, &refusal))
             }
             PlanKind::Fence => fence::check(&*self.medium, slot, count).map_err(of_fence),
             PlanKind::Rally => Rally::check(&*self.medium, slot, count).map_err(of_fence),
@@ -143,7 +144,7 @@ impl<M: PlanMedium> Plans<'_, M> {
     }
 }
 
-impl<M: PlanMedium> PlanStore for Plans<'_, M> {
+impl PlanStore for Plans<'_> {
     fn committed(&self, kind: PlanKind) -> MissionCommit {
         self.state.committed(kind)
     }
@@ -160,7 +161,7 @@ impl<M: PlanMedium> PlanStore for Plans<'_, M> {
         match kind {
             PlanKind::Mission => windhover_autopilot::mission::action::interpret(item)
                 .map(|_| ())
-                .map_err(|refusal| PlanRefusal::of_item(index, &refusal)),
+                .map_err(|refusal| of_item(index, &refusal)),
             // Shapes are several items: looked at when all are there.
             PlanKind::Fence | PlanKind::Rally => Ok(()),
         }

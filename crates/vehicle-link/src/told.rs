@@ -1,6 +1,6 @@
 //! What the core has told since it was last asked.
 
-use heapless::{Deque, Vec};
+use heapless::Deque;
 use windhover_autopilot::mission::MissionEvent;
 use windhover_autopilot::schedule::OUTER_RATE;
 use windhover_autopilot::{
@@ -117,7 +117,7 @@ impl Told {
     /// What was refused names what it was; all else of the inputs was done.
     fn settle(&mut self, snapshot: &Snapshot, report: &OuterReport) {
         let inputs = &snapshot.inputs;
-        let mut refusals: Vec<&Refused, 10> = report.refusals.iter().collect();
+        let mut refusals: [_; 10] = core::array::from_fn(|index| report.refusals.get(index));
         for write in &inputs.parameter {
             let refused = take(&mut refusals, |refused| match refused {
                 Refused::Parameter(of, refusal) if of == write => Some(*refusal),
@@ -201,11 +201,10 @@ fn keep_newest<T, const CAPACITY: usize>(queue: &mut Deque<T, CAPACITY>, item: T
 }
 
 /// Takes out the first one that fits.
-fn take<T>(refusals: &mut Vec<&Refused, 10>, fits: impl Fn(&Refused) -> Option<T>) -> Option<T> {
-    let (at, found) = refusals
-        .iter()
-        .enumerate()
-        .find_map(|(at, refused)| Some((at, fits(refused)?)))?;
-    refusals.remove(at);
-    Some(found)
+fn take<T>(refusals: &mut [Option<&Refused>], fits: impl Fn(&Refused) -> Option<T>) -> Option<T> {
+    refusals.iter_mut().find_map(|place| {
+        let found = fits((*place)?)?;
+        *place = None;
+        Some(found)
+    })
 }

@@ -14,6 +14,7 @@ mod tests;
 use core::fmt;
 
 use windhover_math::Vector3;
+use windhover_parameters::Decimal;
 
 pub use self::sides::{Side, Sides};
 use super::rest::{Disturbance, Rest, Resting, Stillness, check_sample};
@@ -119,15 +120,17 @@ impl fmt::Display for AccelerometerRefusal {
             Self::Timeout(sides) => write!(f, "time ran out; sides missing: {sides}"),
             Self::NoFit => f.write_str("the six sides do not go together: start again"),
             Self::Offset(axis, offset) => {
+                let offset = Decimal::rounded(*offset, 2);
                 write!(
                     f,
-                    "the accelerometer's {axis} is off by {offset:.2} m/s², more than any good one"
+                    "the accelerometer's {axis} is off by {offset} m/s², more than any good one"
                 )
             }
             Self::Scale(axis, scale) => {
+                let scale = Decimal::rounded(*scale, 3);
                 write!(
                     f,
-                    "the accelerometer's {axis} needs a factor of {scale:.3}, too far from 1"
+                    "the accelerometer's {axis} needs a factor of {scale}, too far from 1"
                 )
             }
         }

@@ -9,6 +9,7 @@ mod tests;
 use core::fmt;
 
 use windhover_math::Vector3;
+use windhover_parameters::Decimal;
 
 use super::rest::{Disturbance, KeepStill, Rest, Resting, Stillness, check_sample};
 use super::{Axis, BadSample, Timer};
@@ -72,7 +73,8 @@ impl fmt::Display for GyroRefusal {
             Self::NeverStill(None) => f.write_str("the samples ended before the time needed at rest"),
             Self::Offset(axis, rate) => write!(
                 f,
-                "the gyro shows {rate:.3} rad/s about the {axis} at rest: it turns, or the gyro is broken"
+                "the gyro shows {} rad/s about the {axis} at rest: it turns, or the gyro is broken",
+                Decimal::rounded(*rate, 3)
             ),
         }
     }

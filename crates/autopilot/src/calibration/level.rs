@@ -16,6 +16,7 @@ use core::fmt;
 
 use windhover_math::scalar::norm;
 use windhover_math::{GRAVITY, atan2, sqrt};
+use windhover_parameters::Decimal;
 
 use super::rest::{Disturbance, KeepStill, Rest, Resting, Stillness, check_sample};
 use super::{BadSample, Timer};
@@ -89,13 +90,14 @@ impl fmt::Display for LevelRefusal {
             Self::NeverStill(None) => f.write_str("the samples ended before the time needed at rest"),
             Self::NoGravity(size) => write!(
                 f,
-                "the accelerometer shows {size:.2} m/s² at rest: calibrate it first"
+                "the accelerometer shows {} m/s² at rest: calibrate it first",
+                Decimal::rounded(*size, 2)
             ),
             Self::Tilted { roll, pitch } => write!(
                 f,
-                "the board is tilted by {:.0}° roll and {:.0}° pitch: stand the vehicle on a level place",
-                roll.to_degrees(),
-                pitch.to_degrees()
+                "the board is tilted by {}° roll and {}° pitch: stand the vehicle on a level place",
+                Decimal::rounded(roll.to_degrees(), 0),
+                Decimal::rounded(pitch.to_degrees(), 0)
             ),
         }
     }

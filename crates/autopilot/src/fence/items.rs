@@ -63,6 +63,7 @@ pub enum FenceRefusal {
 }
 
 impl fmt::Display for FenceRefusal {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Command(command) => write!(f, "command: {command} is not understood here"),

@@ -4,6 +4,7 @@ use core::fmt;
 
 use windhover_math::Vector3;
 use windhover_math::geodesy::{GlobalPosition, LocalFrame};
+use windhover_parameters::{Decimal, Whole};
 
 use super::item::MissionItem;
 
@@ -221,26 +222,46 @@ pub enum Reason {
     Fence,
 }
 
+/// Written piece by piece, since it goes by radio too: the standard way takes more flash.
 impl fmt::Display for Refusal {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let field = self.field;
-        match self.reason {
-            Reason::Command(command) => write!(f, "{field}: {command} is not flown by this vehicle"),
-            Reason::Frame(frame) => write!(f, "{field}: {frame} is not understood; use 0, 3, 5 or 6"),
-            Reason::NotANumber => write!(f, "{field}: not a number"),
-            Reason::Range { value, min, max } => write!(f, "{field}: {value} is outside {min} to {max}"),
+        f.write_str(self.field)?;
+        f.write_str(": ")?;
+        let end = match self.reason {
+            Reason::Command(command) => {
+                Whole(command.into()).fmt(f)?;
+                " is not flown by this vehicle"
+            }
+            Reason::Frame(frame) => {
+                Whole(frame.into()).fmt(f)?;
+                " is not understood; use 0, 3, 5 or 6"
+            }
+            Reason::NotANumber => "not a number",
+            Reason::Range { value, min, max } => {
+                Decimal::new(value).fmt(f)?;
+                f.write_str(" is outside ")?;
+                Decimal::new(min).fmt(f)?;
+                f.write_str(" to ")?;
+                return Decimal::new(max).fmt(f);
+            }
             Reason::Distance { value, max } => {
-                write!(f, "{field}: {value:.0} m from home, the limit is {max:.0} m")
+                Decimal::rounded(value, 0).fmt(f)?;
+                f.write_str(" m from home, the limit is ")?;
+                Decimal::rounded(max, 0).fmt(f)?;
+                " m"
             }
-            Reason::NoWaypoint => write!(f, "{field}: nothing to fly to; add a waypoint"),
-            Reason::Missing => write!(f, "{field}: the item is missing"),
+            Reason::NoWaypoint => "nothing to fly to; add a waypoint",
+            Reason::Missing => "the item is missing",
             Reason::TooMany(count) => {
-                let max = super::item::MAX_ITEMS;
-                write!(f, "{field}: {count} items, the vehicle stores {max}")
+                Whole(count as u32).fmt(f)?;
+                f.write_str(" items, the vehicle stores ")?;
+                return Whole(super::item::MAX_ITEMS as u32).fmt(f);
             }
-            Reason::Jump => write!(f, "{field}: leads out of the mission, or is one jump too many"),
-            Reason::Fence => write!(f, "{field}: leg leaves the geofence; move it or the fence"),
-        }
+            Reason::Jump => "leads out of the mission, or is one jump too many",
+            Reason::Fence => "leg leaves the geofence; move it or the fence",
+        };
+        f.write_str(end)
     }
 }
 

@@ -162,6 +162,7 @@ pub enum Why {
 }
 
 impl core::fmt::Display for Why {
+    #[cold]
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Blocked(blockers) => {

@@ -13,8 +13,9 @@ use crate::parameters;
 use crate::request::Request;
 use crate::setpoints;
 use crate::streams::{self, encode};
-use crate::text::{Plain, Severity, Whole};
+use crate::text::{Plain, Severity};
 use crate::wire::{Message, Payload};
+use windhover_parameters::Whole;
 
 /// `MAV_TYPE_GCS`.
 const GROUND_STATION: u8 = wire::MavType::MAV_TYPE_GCS as u8;

@@ -7,7 +7,6 @@
 mod download;
 mod item;
 mod plan;
-mod refusal;
 mod upload;
 
 use heapless::Deque;

@@ -12,8 +12,8 @@ use super::{MissionResult, MissionService, PlanKind, PlanRefusal, Surroundings};
 use crate::checksum::plan_crc;
 use crate::frame::Address;
 use crate::outbox::Reply;
-use crate::text::Whole;
 use crate::wire::Payload;
+use windhover_parameters::Whole;
 
 /// An item that has not come after this time is asked for again, µs.
 const RETRY: u64 = 200_000;

@@ -4,8 +4,9 @@
 use core::hint::black_box;
 
 use windhover_autopilot::MissionCommit;
-use windhover_autopilot::mission::{MissionItem, Reason, Refusal};
-use windhover_ground_link::{ParameterTable, PlanKind, PlanRefusal, PlanStore};
+use windhover_autopilot::mission::MissionItem;
+use windhover_ground_link::text::Plain;
+use windhover_ground_link::{MissionResult, ParameterTable, PlanKind, PlanRefusal, PlanStore};
 use windhover_parameters::Declaration;
 
 /// Some parameters.
@@ -45,12 +46,12 @@ impl PlanStore for Plans {
         black_box(250)
     }
 
-    fn check(&self, _: PlanKind, index: u16, _: &MissionItem) -> Result<(), PlanRefusal> {
-        let refusal = black_box(Refusal {
-            field: "",
-            reason: Reason::Missing,
-        });
-        Err(PlanRefusal::of_item(index, &refusal))
+    fn check(&self, _: PlanKind, _: u16, _: &MissionItem) -> Result<(), PlanRefusal> {
+        let result = black_box(MissionResult::Invalid);
+        Err(PlanRefusal::new(
+            result,
+            format_args!("{}", Plain(black_box("why"))),
+        ))
     }
 
     fn begin(&mut self, _: PlanKind, _: u16) -> Result<u8, PlanRefusal> {

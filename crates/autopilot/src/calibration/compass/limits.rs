@@ -1,7 +1,9 @@
 //! What is asked of a calibration of the compass, what it asks of a human, and why there is none.
 
 use core::fmt;
+
 use core::ops::RangeInclusive;
+use windhover_parameters::Decimal;
 
 use super::Cells;
 use crate::calibration::{Axis, BadSample};
@@ -116,23 +118,26 @@ impl fmt::Display for CompassRefusal {
             Self::NoEllipsoid => f.write_str("the field is distorted beyond repair: move away from iron"),
             Self::Residual(share) => write!(
                 f,
-                "the field varies by {:.0} %: something magnetic moved nearby",
-                share * 100.0
+                "the field varies by {} %: something magnetic moved nearby",
+                Decimal::rounded(share * 100.0, 0)
             ),
             Self::Strength(strength) => {
+                let strength = Decimal::rounded(*strength, 0);
                 write!(
                     f,
-                    "a field of {strength:.0} µT is not the earth's: move away from iron"
+                    "a field of {strength} µT is not the earth's: move away from iron"
                 )
             }
             Self::Ratio(ratio) => {
+                let ratio = Decimal::rounded(*ratio, 1);
                 write!(
                     f,
-                    "the field is {ratio:.1} times as strong one way as another: iron at the compass"
+                    "the field is {ratio} times as strong one way as another: iron at the compass"
                 )
             }
             Self::Offset(axis, offset) => {
-                write!(f, "{offset:.0} µT on the {axis}: a magnet near the compass")
+                let offset = Decimal::rounded(*offset, 0);
+                write!(f, "{offset} µT on the {axis}: a magnet near the compass")
             }
         }
     }
