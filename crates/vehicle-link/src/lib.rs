@@ -639,7 +639,8 @@ impl VehicleLink {
                 return CommandResult::TemporarilyRejected;
             }
             Request::CheckArming => self.check_arming(links, say),
-            Request::SetSigningKey { secret, time } => self.signing.set_key(secret, time, now),
+            // In flight nobody is locked out by a key that he does not know.
+            Request::SetSigningKey { secret, time } if disarmed => self.signing.set_key(secret, time, now),
             Request::Offboard(ref setpoint) => {
                 setpoint::guide(setpoint, &self.report, &self.parameters, &mut self.inputs);
             }
