@@ -5,7 +5,7 @@
 //! | interrupts | drivers | DMA, timers, data-ready |
 //! | inner executor | `inner_loop`: sample to motors | data-ready, at most 1.5 periods |
 //! | outer executor | `outer_loop`: snapshot to result | a snapshot |
-//! | thread | `log_stream`, `commands`, `health` | bytes, time |
+//! | thread | `log_stream`, `ground_link`, `health` | bytes, time |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -16,6 +16,8 @@ mod board;
 mod fault;
 #[cfg(target_os = "none")]
 mod shared;
+#[cfg(target_os = "none")]
+mod shelf;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
@@ -33,8 +35,10 @@ fn main() -> ! {
     use embassy_stm32::wdg::IndependentWatchdog;
     use embassy_time::Instant;
     use static_cell::{ConstStaticCell, StaticCell};
+    use windhover_autopilot::mission::PlanMemory;
     use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig};
     use windhover_flight_log::{Logger, LoggerConfig};
+    use windhover_vehicle_link::Fitting;
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
     const WATCHDOG: u32 = 250_000;
@@ -43,6 +47,7 @@ fn main() -> ! {
     // Apart from the log: what is made in `main` goes over its stack.
     static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
     static START: StaticCell<task::Start> = StaticCell::new();
+    static GROUND: StaticCell<task::Ground> = StaticCell::new();
 
     let fault::LastRun { cause, store } = fault::take_last_run();
     let board = board::take();
@@ -68,17 +73,25 @@ fn main() -> ! {
         outer: outer_config,
         cause,
     });
+    let fitting = Fitting {
+        rotation: board::ROTATION,
+        compass: outer_config.compass,
+    };
+    let ground = GROUND.init(task::Ground::new(&parameters, fitting));
     let motors = board::Motors::new(board.motors, parameters.board.pwm_rate as u32);
     let state = task::InnerLoop::new(config, inner, motors);
     let mut watchdog = IndependentWatchdog::new(board.watchdog, WATCHDOG);
     watchdog.unleash();
 
-    board::on_every_priority(|inner, outer_spawner, thread| {
-        inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
-        outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
-        thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
-        thread.spawn(task::commands(board.commands).expect("spawned once"));
-        thread.spawn(task::health(board.light).expect("spawned once"));
+    board::keep(PlanMemory::new, |plans| {
+        shelf::begin(plans);
+        board::on_every_priority(|inner, outer_spawner, thread| {
+            inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
+            outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
+            thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
+            thread.spawn(task::ground_link(board.ground_link, ground).expect("spawned once"));
+            thread.spawn(task::health(board.light).expect("spawned once"));
+        })
     })
 }
 

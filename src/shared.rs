@@ -10,9 +10,10 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use windhover_autopilot::{Mailboxes, Urgent};
 use windhover_flight_log::Logger;
+use windhover_vehicle_link::Told;
 
-/// Bytes that the log may hold while its port is busy: 0.8 s at 1 kHz.
-pub const LOG_BYTES: usize = 32_768;
+/// Bytes that the log may hold while its port is busy: 0.6 s at 1 kHz.
+pub const LOG_BYTES: usize = 24_576;
 
 /// The log as the firmware keeps it.
 pub type FlightLog = Logger<LOG_BYTES, &'static mut [u8; LOG_BYTES]>;
@@ -23,6 +24,8 @@ pub struct Shared {
     pub mailboxes: Mailboxes,
     /// The log, from the start of the core on.
     pub log: &'static mut FlightLog,
+    /// What the steps have told ground stations.
+    pub told: Told,
 }
 
 static SHARED: CriticalSectionMutex<RefCell<Option<Shared>>> = CriticalSectionMutex::new(RefCell::new(None));
@@ -41,6 +44,7 @@ pub fn begin(log: &'static mut FlightLog) {
         *shared.borrow_mut() = Some(Shared {
             mailboxes: Mailboxes::default(),
             log,
+            told: Told::default(),
         });
     });
 }
@@ -84,6 +88,8 @@ pub struct Counters {
     pub imu_errors: AtomicU32,
     /// Whether the motors may turn, as last commanded.
     pub armed: AtomicU32,
+    /// Share of the processor's time that is used, in thousandths.
+    pub load: AtomicU32,
 }
 
 /// All counters.
@@ -95,6 +101,7 @@ pub static COUNTERS: Counters = Counters {
     latency_max: AtomicU32::new(0),
     imu_errors: AtomicU32::new(0),
     armed: AtomicU32::new(0),
+    load: AtomicU32::new(0),
 };
 
 /// Adds to a counter that wraps.

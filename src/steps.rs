@@ -1,8 +1,9 @@
 //! The two steps of the core, each a function of its own: what `cargo xtask count` counts, and
 //! where the emulated board holds the firmware up.
 
-use windhover_autopilot::mission::MissionItem;
 use windhover_autopilot::{Inner, InnerInput, Mailboxes, Outer, OuterResult, Snapshot, TickOutput};
+
+use crate::shelf::Shelf;
 
 /// The inner step.
 #[inline(never)]
@@ -10,9 +11,8 @@ pub fn inner_step(inner: &mut Inner, input: &InnerInput, mailboxes: &mut Mailbox
     inner.tick(input, mailboxes)
 }
 
-/// The outer step. No mission is stored on board yet.
+/// The outer step, on the plans on board.
 #[inline(never)]
 pub fn outer_step(outer: &mut Outer, snapshot: &Snapshot, result: &mut OuterResult) {
-    const NONE: &[MissionItem] = &[];
-    outer.step_into(snapshot, NONE, result);
+    outer.step_into(snapshot, &Shelf, result);
 }

@@ -7,8 +7,10 @@ mod stm32f405;
 mod speedybee_f405_v4;
 
 #[cfg(feature = "speedybee-f405-v4")]
-pub use speedybee_f405_v4::{Imu, Motors, NAME, ROTATION, light, motors_off, take};
-pub use stm32f405::{CYCLES_PER_MICROSECOND, STACK, STORED, Storage, on_every_priority, stack_used};
+pub use speedybee_f405_v4::{GROUND_LINK_BAUD, Imu, Motors, NAME, ROTATION, light, motors_off, take};
+pub use stm32f405::{
+    CYCLES_PER_MICROSECOND, STACK, STORED, Storage, keep, on_every_priority, stack_used, uid,
+};
 
 #[cfg(not(feature = "speedybee-f405-v4"))]
 compile_error!("choose a board by its feature, for instance `speedybee-f405-v4`");

@@ -10,7 +10,7 @@
 //! | M3 | PB0 | TIM3 channel 3 |
 //! | M4 | PB1 | TIM3 channel 4 |
 //! | log | TX PC10 | USART3, D1S3 |
-//! | commands | RX PA10, TX PA9 | USART1 |
+//! | ground link | RX PA10, TX PA9 | USART1 |
 //! | light | PC13, on when low | |
 
 use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
@@ -43,6 +43,9 @@ pub const NAME: &str = "SpeedyBee F405 V4";
 /// up) both say so. To verify: nose up must turn the specific force to the front positive, right
 /// side down to the right negative; at rest down reads −1 g.
 pub const ROTATION: BoardRotation = BoardRotation([[0, 1, 0], [1, 0, 0], [0, 0, -1]]);
+
+/// Baud rate of the port to ground stations.
+pub const GROUND_LINK_BAUD: u32 = 115_200;
 
 /// The inertial sensors on their bus.
 pub type Imu = Icm42688p<Spi<'static, Async, spi::mode::Master>, Output<'static>>;
@@ -100,8 +103,8 @@ pub struct Board {
     pub motors: MotorParts,
     /// Where the log goes.
     pub log: UartTx<'static, Async>,
-    /// Where commands come from.
-    pub commands: BufferedUart<'static>,
+    /// The port to ground stations.
+    pub ground_link: BufferedUart<'static>,
     /// The light.
     pub light: Output<'static>,
     /// The watchdog, not running yet.
@@ -122,8 +125,8 @@ pub struct MotorParts {
 
 /// Sets up everything but the motors, whose pins stay low.
 pub fn take() -> Board {
-    static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
-    static SENT: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
+    static RECEIVED: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; _]);
+    static SENT: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; _]);
     stm32f405::set_brown_out_level_3();
     let p = embassy_stm32::init(stm32f405::config());
     stm32f405::count_cycles();
@@ -147,14 +150,14 @@ pub fn take() -> Board {
         },
         log: UartTx::new(p.USART3, p.PC10, p.DMA1_CH3, Interrupts, baud(2_000_000))
             .expect("2 Mbaud are 21 cycles of the port's clock"),
-        commands: BufferedUart::new(
+        ground_link: BufferedUart::new(
             p.USART1,
             p.PA10,
             p.PA9,
             SENT.take(),
             RECEIVED.take(),
             Interrupts,
-            baud(115_200),
+            baud(GROUND_LINK_BAUD),
         )
         .expect("115,200 baud are possible"),
         light: Output::new(p.PC13, light(false), Speed::Low),

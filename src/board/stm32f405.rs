@@ -1,5 +1,6 @@
 //! What all boards with an STM32F405 share: clocks, brown-out, priorities, stack, sleep.
 
+use core::convert::Infallible;
 use core::ops::Range;
 
 use cortex_m::peripheral::SCB;
@@ -115,6 +116,23 @@ pub fn stack_used() -> u32 {
         .take_while(|address| unsafe { (*address as *const u32).read_volatile() } == PAINT)
         .count();
     STACK.len() as u32 - 4 * untouched as u32
+}
+
+/// The chip's own number, as ground stations know the vehicle by.
+pub fn uid() -> u64 {
+    let [a, b, c, d, e, f, g, h, ..] = embassy_stm32::uid::uid();
+    u64::from_le_bytes([a, b, c, d, e, f, g, h])
+}
+
+/// Makes something that stays for ever, on the stack: the core-coupled memory has room that no other
+/// section uses. `then` goes on with it.
+#[inline(never)]
+pub fn keep<T: 'static>(make: fn() -> T, then: impl FnOnce(&'static mut T) -> Infallible) -> ! {
+    let mut kept = make();
+    let forever = &raw mut kept;
+    // SAFETY: `then` does not return, since there is no `Infallible`, so that this frame, and what
+    // lies in it, is never left; nobody else has a reference to it.
+    match then(unsafe { &mut *forever }) {}
 }
 
 /// Starts the three executors: `spawn` gets those of the inner loop, of the outer loop and of the

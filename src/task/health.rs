@@ -1,5 +1,7 @@
 //! How the board does: the light, and once a second a record in the log.
 
+use core::sync::atomic::Ordering;
+
 use embassy_stm32::gpio::Output;
 use embassy_time::{Duration, Instant, Ticker};
 use windhover_flight_log::views::BoardHealth;
@@ -50,6 +52,9 @@ pub async fn health(mut light: Output<'static>) {
             imu_errors: shared::value(&COUNTERS.imu_errors),
             log_waiting_max: waiting_max as u32,
         };
+        COUNTERS
+            .load
+            .store((record.load.clamp(0.0, 1.0) * 1000.0) as u32, Ordering::Relaxed);
         shared::with(|shared| shared.log.view(now.as_micros(), &record));
     }
 }

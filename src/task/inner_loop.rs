@@ -69,6 +69,7 @@ impl InnerLoop {
         let taken = output.record.is_some_and(|record| record.snapshot_taken);
         shared::with(|shared| {
             shared.log.tick(&input, output.motors, output.record);
+            shared.told.tick(&imu, output.motors, output.record);
             if let Some(snapshot) = shared.mailboxes.snapshot.as_ref().filter(|_| taken) {
                 shared.log.inputs(&snapshot.inputs, snapshot.tick);
             }

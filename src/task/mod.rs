@@ -1,12 +1,12 @@
 //! Thin shells around the core: each waits for something, hands it on, and waits again.
 
-mod commands;
+mod ground_link;
 mod health;
 mod inner_loop;
 mod log_stream;
 mod outer_loop;
 
-pub use commands::commands;
+pub use ground_link::{Ground, ground_link};
 pub use health::health;
 pub use inner_loop::{InnerLoop, inner_loop};
 pub use log_stream::{Start, log_stream};

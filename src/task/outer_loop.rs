@@ -38,6 +38,7 @@ pub async fn outer_loop(
         );
         shared::with(|shared| {
             shared.log.announce(hash);
+            shared.told.outer(&snapshot, &result);
             shared.mailboxes.result = Some(result);
         });
         let ticks = shared::value(&COUNTERS.ticks);

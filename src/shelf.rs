@@ -1,0 +1,57 @@
+//! The plans on board: written by the ground link into the slot that is not in use, read by the outer
+//! loop from the one that is. The lock is held for one item.
+
+use core::cell::RefCell;
+
+use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind, PlanMemory};
+use windhover_flight_log::PlanItem;
+use windhover_vehicle_link::PlanMedium;
+
+use crate::shared;
+
+static PLANS: CriticalSectionMutex<RefCell<Option<&'static mut PlanMemory>>> =
+    CriticalSectionMutex::new(RefCell::new(None));
+
+/// From now on plans are kept here.
+pub fn begin(memory: &'static mut PlanMemory) {
+    PLANS.lock(|plans| *plans.borrow_mut() = Some(memory));
+}
+
+/// Does something under the lock; nothing before there is a memory.
+fn with<R: Default>(act: impl FnOnce(&mut PlanMemory) -> R) -> R {
+    PLANS.lock(|plans| {
+        let mut plans = plans.try_borrow_mut().ok();
+        let memory = plans.as_mut().and_then(|plans| plans.as_mut());
+        memory.map(|memory| act(memory)).unwrap_or_default()
+    })
+}
+
+/// The plans as the core and the ground link see them.
+pub struct Shelf;
+
+impl MissionSource for Shelf {
+    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
+        with(|memory| memory.item(kind, slot, index))
+    }
+}
+
+impl PlanMedium for Shelf {
+    fn clear(&mut self, kind: PlanKind, slot: u8) {
+        with(|memory| memory.clear(kind, slot));
+    }
+
+    fn push(&mut self, kind: PlanKind, slot: u8, index: u16, item: &MissionItem) -> bool {
+        let taken = with(|memory| memory.push(kind, slot, *item));
+        if taken {
+            let item = PlanItem {
+                kind,
+                slot,
+                index,
+                item: *item,
+            };
+            shared::with(|shared| shared.log.plan_item(&item));
+        }
+        taken
+    }
+}

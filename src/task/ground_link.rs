@@ -1,0 +1,129 @@
+//! The ground link: bytes of its port to requests, the core's reports to bytes.
+//!
+//! Bench tests speak by the same port: their frames are no MAVLink, nor the other way round.
+
+use embassy_futures::select::select;
+use embassy_stm32::usart::{BufferedUart, BufferedUartTx};
+use embassy_time::{Duration, Instant, Timer};
+use embedded_io_async::{Read, Write};
+use windhover_autopilot::Parameters;
+use windhover_bench_port::{Parser, Request};
+use windhover_flight_log::version;
+use windhover_ground_link::{Address, Config, Link};
+use windhover_vehicle_link::{Fitting, VehicleLink};
+
+use crate::board;
+use crate::fault;
+use crate::shared::{self, COUNTERS};
+use crate::shelf::Shelf;
+
+/// Between two looks at what the core has told.
+const PERIOD: Duration = Duration::from_millis(4);
+
+/// Bytes that go out at once: an answer to each of a few questions, and telemetry.
+const OUT: usize = 1024;
+
+/// The links and the vehicle's end of them.
+pub struct Ground {
+    links: [Link; 1],
+    vehicle: VehicleLink,
+}
+
+impl Ground {
+    /// Of a vehicle with these parameters, whose sensors sit like this.
+    pub fn new(parameters: &Parameters, fitting: Fitting) -> Self {
+        let mut commit = [0; 8];
+        for (to, from) in commit.iter_mut().zip(version::COMMIT.bytes()) {
+            *to = from;
+        }
+        let link = Link::new(Config {
+            address: Address {
+                system: parameters.link.system as u8,
+                component: 1,
+            },
+            bandwidth: board::GROUND_LINK_BAUD / 10,
+            uid: board::uid(),
+            version: commit,
+            ..Config::default()
+        });
+        Self {
+            links: [link],
+            vehicle: VehicleLink::new(parameters, fitting, Default::default()),
+        }
+    }
+
+    fn receive(&mut self, bytes: &[u8], now: u64) {
+        let [link] = &mut self.links;
+        self.vehicle.receive(link, bytes, now, &mut Shelf);
+    }
+
+    /// Passes on between core and link.
+    fn step(&mut self, now: u64) {
+        let told = shared::with(|shared| shared.told.take());
+        self.vehicle.set_load(shared::value(&COUNTERS.load) as f32 * 1e-3);
+        self.vehicle.step(&mut self.links, &told, now, &mut |_, _| {});
+        let inputs = self.vehicle.take_inputs();
+        shared::with(|shared| shared.mailboxes.queues.refill(&inputs));
+        if let Some(urgent) = self.vehicle.take_urgent() {
+            shared::urge(urgent);
+        }
+        if self.vehicle.take_effects().reboot && shared::value(&COUNTERS.armed) == 0 {
+            fault::restart();
+        }
+    }
+
+    /// What is to be sent; what does not fit is lost, as on any radio.
+    fn poll(&mut self, now: u64, out: &mut heapless::Vec<u8, OUT>) {
+        let [link] = &mut self.links;
+        self.vehicle.poll(link, now, &mut Shelf, &mut |frame| {
+            let _ = out.extend_from_slice(frame);
+        });
+    }
+}
+
+/// Serves the link for ever.
+#[embassy_executor::task]
+pub async fn ground_link(port: BufferedUart<'static>, ground: &'static mut Ground) {
+    let (mut sender, mut receiver) = port.split();
+    let mut bench = Parser::default();
+    let mut bytes = [0; 128];
+    let mut count = 0;
+    loop {
+        let now = Instant::now();
+        let due = Timer::at(now + PERIOD);
+        // A read that is dropped has taken nothing.
+        select(due, async {
+            count = receiver.read(&mut bytes).await.unwrap_or(0)
+        })
+        .await;
+        let received = bytes.get(..core::mem::take(&mut count)).unwrap_or_default();
+        for byte in received {
+            if let Some(request) = bench.push(*byte) {
+                act(request);
+            }
+        }
+        let now = Instant::now().as_micros();
+        ground.receive(received, now);
+        ground.step(now);
+        send(&mut sender, ground).await;
+    }
+}
+
+async fn send(sender: &mut BufferedUartTx<'static>, ground: &mut Ground) {
+    let mut out = heapless::Vec::new();
+    ground.poll(Instant::now().as_micros(), &mut out);
+    // A port that fails has nobody at its other end.
+    let _ = sender.write_all(&out).await;
+}
+
+fn act(request: Request) {
+    match request {
+        Request::Input(input) => shared::with(|shared| input.queue(&mut shared.mailboxes.queues)),
+        Request::Urgent(urgent) => shared::urge(urgent),
+        Request::Restart | Request::SaveParameter(_) if shared::value(&COUNTERS.armed) != 0 => {
+            defmt::warn!("no restart while armed");
+        }
+        Request::Restart => fault::restart(),
+        Request::SaveParameter(write) => fault::restart_to_store(&write),
+    }
+}
