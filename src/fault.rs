@@ -196,7 +196,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 }
 
 // Takes the motors off before anything else: before memory is set up, before clocks. It is sound
-// since `motors_off` writes registers alone: no static is read or written.
+// since `motors_off` writes registers alone, and what is cleared then nobody uses yet.
 core::arch::global_asm!(
     ".section .text.__pre_init, \"ax\"",
     ".global __pre_init",
@@ -209,6 +209,7 @@ core::arch::global_asm!(
 
 extern "C" fn before_memory() {
     board::motors_off();
+    board::clear_core_coupled();
 }
 
 /// The processor's HardFault vector. The stack may be what failed: it is taken from its top again

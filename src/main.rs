@@ -33,21 +33,9 @@ mod task;
 fn main() -> ! {
     use defmt_rtt as _;
     use embassy_stm32::wdg::IndependentWatchdog;
-    use embassy_time::Instant;
-    use static_cell::{ConstStaticCell, StaticCell};
-    use windhover_autopilot::mission::PlanMemory;
-    use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig};
-    use windhover_flight_log::{Logger, LoggerConfig};
-    use windhover_vehicle_link::Fitting;
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
     const WATCHDOG: u32 = 250_000;
-    static OUTER: StaticCell<Outer> = StaticCell::new();
-    static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
-    // Apart from the log: what is made in `main` goes over its stack.
-    static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
-    static START: StaticCell<task::Start> = StaticCell::new();
-    static GROUND: StaticCell<task::Ground> = StaticCell::new();
 
     let fault::LastRun { cause, store } = fault::take_last_run();
     let board = board::take();
@@ -56,42 +44,25 @@ fn main() -> ! {
         board::NAME,
         cause.as_str()
     );
-    let outer_config = OuterConfig::default();
-    let outer = OUTER.init(start::outer(board.storage, store, &outer_config));
-    let parameters = *outer.parameters();
-    let config = InnerConfig {
-        imu_rate: parameters.board.imu_rate(),
-        rotation: board::ROTATION,
-    };
-    let logging = LoggerConfig::new(config, &parameters);
-    let inner = Inner::new(config, outer.inner_parameters());
-    shared::begin(LOG.init(Logger::in_storage(logging, LOG_STORAGE.take())));
-    let start = START.init(task::Start {
-        time: Instant::now().as_micros(),
-        inner: config,
-        parameters,
-        outer: outer_config,
-        cause,
-    });
-    let fitting = Fitting {
-        rotation: board::ROTATION,
-        compass: outer_config.compass,
-    };
-    let ground = GROUND.init(task::Ground::new(&parameters, fitting));
-    let motors = board::Motors::new(board.motors, parameters.board.pwm_rate as u32);
+    let start::Core {
+        outer,
+        inner,
+        config,
+        logging,
+        start,
+        ground,
+    } = start::core(board.storage, store, cause);
+    let motors = board::Motors::new(board.motors, start.parameters.board.pwm_rate as u32);
     let state = task::InnerLoop::new(config, inner, motors);
     let mut watchdog = IndependentWatchdog::new(board.watchdog, WATCHDOG);
     watchdog.unleash();
 
-    board::keep(PlanMemory::new, |plans| {
-        shelf::begin(plans);
-        board::on_every_priority(|inner, outer_spawner, thread| {
-            inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
-            outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
-            thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
-            thread.spawn(task::ground_link(board.ground_link, ground).expect("spawned once"));
-            thread.spawn(task::health(board.light).expect("spawned once"));
-        })
+    board::on_every_priority(|inner, outer_spawner, thread| {
+        inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
+        outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
+        thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
+        thread.spawn(task::ground_link(board.ground_link, ground).expect("spawned once"));
+        thread.spawn(task::health(board.light).expect("spawned once"));
     })
 }
 

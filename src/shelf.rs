@@ -1,29 +1,18 @@
 //! The plans on board: written by the ground link into the slot that is not in use, read by the outer
 //! loop from the one that is. The lock is held for one item.
 
-use core::cell::RefCell;
-
-use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind, PlanMemory};
 use windhover_flight_log::PlanItem;
 use windhover_vehicle_link::PlanMedium;
 
+use crate::board::PLANS;
 use crate::shared;
 
-static PLANS: CriticalSectionMutex<RefCell<Option<&'static mut PlanMemory>>> =
-    CriticalSectionMutex::new(RefCell::new(None));
-
-/// From now on plans are kept here.
-pub fn begin(memory: &'static mut PlanMemory) {
-    PLANS.lock(|plans| *plans.borrow_mut() = Some(memory));
-}
-
-/// Does something under the lock; nothing before there is a memory.
+/// Does something under the lock.
 fn with<R: Default>(act: impl FnOnce(&mut PlanMemory) -> R) -> R {
     PLANS.lock(|plans| {
-        let mut plans = plans.try_borrow_mut().ok();
-        let memory = plans.as_mut().and_then(|plans| plans.as_mut());
-        memory.map(|memory| act(memory)).unwrap_or_default()
+        let memory = plans.try_borrow_mut();
+        memory.map(|mut memory| act(&mut memory)).unwrap_or_default()
     })
 }
 

@@ -9,7 +9,8 @@ mod speedybee_f405_v4;
 #[cfg(feature = "speedybee-f405-v4")]
 pub use speedybee_f405_v4::{GROUND_LINK_BAUD, Imu, Motors, NAME, ROTATION, light, motors_off, take};
 pub use stm32f405::{
-    CYCLES_PER_MICROSECOND, STACK, STORED, Storage, keep, on_every_priority, stack_used, uid,
+    CYCLES_PER_MICROSECOND, PLANS, STACK, STORED, Storage, clear_core_coupled, on_every_priority, stack_used,
+    uid,
 };
 
 #[cfg(not(feature = "speedybee-f405-v4"))]

@@ -1,6 +1,6 @@
 //! What all boards with an STM32F405 share: clocks, brown-out, priorities, stack, sleep.
 
-use core::convert::Infallible;
+use core::cell::RefCell;
 use core::ops::Range;
 
 use cortex_m::peripheral::SCB;
@@ -11,17 +11,19 @@ use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peri, peripherals, rcc};
+use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use embassy_time::Instant;
 use static_cell::StaticCell;
+use windhover_autopilot::mission::PlanMemory;
 
 use crate::shared::{self, COUNTERS};
 
 /// Processor cycles in a microsecond.
 pub const CYCLES_PER_MICROSECOND: f32 = 168.0;
 
-/// The core-coupled memory, which is all stack (memory.x): below it there is nothing, so that an
+/// The start of the core-coupled memory is stack (memory.x): below it there is nothing, so that an
 /// overflow faults. DMA cannot reach it.
-pub const STACK: Range<u32> = 0x1000_0000..0x1001_0000;
+pub const STACK: Range<u32> = 0x1000_0000..0x1000_a800;
 
 /// What cortex-m-rt paints the stack with before `main`.
 const PAINT: u32 = 0xcccc_cccc;
@@ -124,15 +126,26 @@ pub fn uid() -> u64 {
     u64::from_le_bytes([a, b, c, d, e, f, g, h])
 }
 
-/// Makes something that stays for ever, on the stack: the core-coupled memory has room that no other
-/// section uses. `then` goes on with it.
-#[inline(never)]
-pub fn keep<T: 'static>(make: fn() -> T, then: impl FnOnce(&'static mut T) -> Infallible) -> ! {
-    let mut kept = make();
-    let forever = &raw mut kept;
-    // SAFETY: `then` does not return, since there is no `Infallible`, so that this frame, and what
-    // lies in it, is never left; nobody else has a reference to it.
-    match then(unsafe { &mut *forever }) {}
+/// The plans on board, in core-coupled memory above the stack (memory.x).
+#[unsafe(link_section = ".ccm")]
+pub static PLANS: CriticalSectionMutex<RefCell<PlanMemory>> =
+    CriticalSectionMutex::new(RefCell::new(PlanMemory::new()));
+
+/// Zeroes the core-coupled memory above the stack. To be called once, before `main`.
+pub fn clear_core_coupled() {
+    unsafe extern "C" {
+        static mut __sccm: u64;
+        static mut __eccm: u64;
+    }
+    let (mut word, end) = (&raw mut __sccm, &raw mut __eccm);
+    while word < end {
+        // SAFETY: the linker puts both ends around the section, which holds statics whose first value
+        // is nothing but zeros; nobody uses them yet.
+        unsafe {
+            word.write_volatile(0);
+            word = word.add(1);
+        }
+    }
 }
 
 /// Starts the three executors: `spawn` gets those of the inner loop, of the outer loop and of the

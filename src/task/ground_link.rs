@@ -10,7 +10,7 @@ use windhover_autopilot::Parameters;
 use windhover_bench_port::{Parser, Request};
 use windhover_flight_log::version;
 use windhover_ground_link::{Address, Config, Link};
-use windhover_vehicle_link::{Fitting, VehicleLink};
+use windhover_vehicle_link::{Fitting, Told, VehicleLink};
 
 use crate::board;
 use crate::fault;
@@ -27,6 +27,7 @@ const OUT: usize = 1024;
 pub struct Ground {
     links: [Link; 1],
     vehicle: VehicleLink,
+    told: Told,
 }
 
 impl Ground {
@@ -49,6 +50,7 @@ impl Ground {
         Self {
             links: [link],
             vehicle: VehicleLink::new(parameters, fitting, Default::default()),
+            told: Told::default(),
         }
     }
 
@@ -59,9 +61,11 @@ impl Ground {
 
     /// Passes on between core and link.
     fn step(&mut self, now: u64) {
-        let told = shared::with(|shared| shared.told.take());
+        let told = &mut self.told;
+        shared::with(|shared| shared.told.take_into(told));
         self.vehicle.set_load(shared::value(&COUNTERS.load) as f32 * 1e-3);
-        self.vehicle.step(&mut self.links, &told, now, &mut |_, _| {});
+        self.vehicle
+            .step(&mut self.links, &self.told, now, &mut |_, _| {});
         let inputs = self.vehicle.take_inputs();
         shared::with(|shared| shared.mailboxes.queues.refill(&inputs));
         if let Some(urgent) = self.vehicle.take_urgent() {

@@ -246,6 +246,7 @@ impl VehicleLink {
     }
 
     /// What the core has told since the last time.
+    #[inline(never)]
     fn take_in(&mut self, links: &mut [Link], told: &Told, now: u64, say: &mut Say<'_>) {
         for outcome in told.outcomes() {
             match outcome {
@@ -273,6 +274,7 @@ impl VehicleLink {
         }
     }
 
+    #[inline(never)]
     fn tell_event(&mut self, links: &mut [Link], happened: &Happened, say: &mut Say<'_>) {
         match happened.event {
             MissionEvent::Reached(index) => {
@@ -315,6 +317,7 @@ impl VehicleLink {
     }
 
     /// The core has answered a command.
+    #[inline(never)]
     fn answer(
         &mut self,
         links: &mut [Link],
@@ -466,6 +469,7 @@ impl VehicleLink {
     }
 
     /// A calibration that is under way goes on.
+    #[inline(never)]
     fn calibrate(&mut self, links: &mut [Link], told: &Told, now: u64, say: &mut Say<'_>) {
         let Some((calibrating, answer)) = &mut self.calibrating else {
             return;
@@ -519,6 +523,7 @@ impl VehicleLink {
     }
 
     /// A calibration is asked for, or the end of one.
+    #[inline(never)]
     fn start_calibration(
         &mut self,
         links: &mut [Link],
@@ -565,6 +570,7 @@ impl VehicleLink {
     }
 
     /// Takes what one link asks for, as long as the core has room.
+    #[inline(never)]
     fn serve(&mut self, links: &mut [Link], index: usize, now: u64, say: &mut Say<'_>) {
         self.hear(links.get(index));
         while self.has_room()
@@ -587,6 +593,7 @@ impl VehicleLink {
         }
     }
 
+    #[inline(never)]
     fn act(&mut self, links: &mut [Link], link: usize, order: &Order, now: u64, say: &mut Say<'_>) {
         let answer = order.id.map(|id| (link, id));
         match command::meaning(&order.request, &self.report) {
@@ -608,6 +615,7 @@ impl VehicleLink {
     }
 
     /// What needs no command of the core.
+    #[inline(never)]
     fn act_here(
         &mut self,
         links: &mut [Link],
@@ -657,6 +665,7 @@ impl VehicleLink {
     }
 
     /// All that speaks against arming, a line each.
+    #[inline(never)]
     fn check_arming(&self, links: &mut [Link], say: &mut Say<'_>) {
         if self.report.blockers.is_empty() {
             return tell(links, say, Severity::Info, format_args!("Ready to arm"));

@@ -144,16 +144,18 @@ impl Told {
         }
     }
 
-    /// All since the last time; the state stays as it is.
-    #[must_use]
-    pub fn take(&mut self) -> Self {
-        let taken = self.clone();
-        self.outcomes.clear();
-        self.happened.clear();
+    /// Hands over all since the last time, in exchange for what was handed over then; the state stays as
+    /// it is. Nothing large goes over the stack.
+    pub fn take_into(&mut self, taken: &mut Self) {
+        core::mem::swap(self, taken);
+        self.report = None;
         self.samples.clear();
         self.compass.clear();
-        self.report = None;
-        taken
+        self.outcomes.clear();
+        self.happened.clear();
+        (self.time, self.rate, self.thrust) = (taken.time, taken.rate, taken.thrust);
+        (self.motors, self.gnss, self.radio) = (taken.motors, taken.gnss, taken.radio);
+        self.dropped = taken.dropped;
     }
 
     /// The last report, without its events and refusals; `None` where there was no step.

@@ -31,6 +31,7 @@ pub struct Served {
     vehicle: VehicleLink,
     links: Vec<Link>,
     told: Told,
+    taken: Told,
     log: FlightLog,
     lines: Vec<Line>,
     /// Simulated time, s.
@@ -53,6 +54,7 @@ impl Served {
             vehicle,
             links: Vec::new(),
             told: Told::default(),
+            taken: Told::default(),
             log,
             lines: Vec::new(),
             time: 0.0,
@@ -163,7 +165,7 @@ impl Served {
 
     /// Passes on between core and links, without time going on.
     fn answer(&mut self, now: u64) -> Effects {
-        let told = self.told.take();
+        self.told.take_into(&mut self.taken);
         let (time, lines) = (self.time, &mut self.lines);
         let mut say = |severity, text: core::fmt::Arguments<'_>| {
             lines.push(Line {
@@ -172,7 +174,7 @@ impl Served {
                 text: text.to_string(),
             });
         };
-        self.vehicle.step(&mut self.links, &told, now, &mut say);
+        self.vehicle.step(&mut self.links, &self.taken, now, &mut say);
         let queues = &mut self.flown.mailboxes.queues;
         queues.refill(&self.vehicle.take_inputs());
         if let Some(urgent) = self.vehicle.take_urgent() {

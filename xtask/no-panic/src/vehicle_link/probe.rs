@@ -32,6 +32,7 @@ extern "C" fn reset() -> ! {
     ));
     let told = told.write(Told::default());
     let bytes = [0; 64];
+    let mut taken = Told::default();
     loop {
         let now = black_box(0);
         told_outer(
@@ -46,7 +47,13 @@ extern "C" fn reset() -> ! {
             now,
             black_box(plans),
         );
-        black_box(vehicle_step(vehicle, black_box(links), black_box(told), now));
+        black_box(vehicle_step(
+            vehicle,
+            black_box(links),
+            black_box(told),
+            black_box(&mut taken),
+            now,
+        ));
         vehicle_poll(vehicle, black_box(links), now, black_box(plans));
     }
 }
@@ -102,9 +109,15 @@ fn vehicle_receive(
 /// Everything between core and links.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn vehicle_step(vehicle: &mut VehicleLink, links: &mut [Link; 1], told: &mut Told, now: u64) -> OuterInputs {
-    let told = told.take();
-    vehicle.step(links, &told, now, &mut |severity, text| {
+fn vehicle_step(
+    vehicle: &mut VehicleLink,
+    links: &mut [Link; 1],
+    told: &mut Told,
+    taken: &mut Told,
+    now: u64,
+) -> OuterInputs {
+    told.take_into(taken);
+    vehicle.step(links, taken, now, &mut |severity, text| {
         black_box((severity, text));
     });
     black_box(vehicle.take_urgent());
