@@ -144,7 +144,6 @@ impl Texts {
 mod tests {
     extern crate std;
 
-    use std::format;
     use std::string::String;
     use std::vec::Vec;
 

@@ -141,11 +141,10 @@ mod tests {
     /// As the standard way rounds, but where a half is in between.
     #[test]
     fn rounded_ones_are_written_as_the_standard_way_does() {
-        let mut value = -3.0f32;
-        while value < 1200.0 {
-            value = value * 1.37 + 0.123_4;
+        for step in -400..400 {
+            let value = step as f32 * 3.123_47;
             for places in 0..=3u8 {
-                let wide = f64::from(value) * 10f64.powi(places.into());
+                let wide = f64::from(value) * [1.0, 10.0, 100.0, 1000.0][usize::from(places)];
                 if (wide.abs().fract() - 0.5).abs() < 1e-3 {
                     continue;
                 }
