@@ -1,4 +1,5 @@
-//! Independent readers, from PyPI: installed into an environment of their own below target/.
+//! Independent readers and ground stations, from PyPI: installed into an environment of their own below
+//! target/.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,7 +9,20 @@ use crate::packages::install_debian;
 use crate::process::{Outcome, cargo, root, run, target_directory};
 
 /// The packages with their exact versions.
-const PACKAGES: [&str; 1] = ["pyulog==1.3.0"];
+const PACKAGES: [&str; 4] = [
+    "pyulog==1.3.0",
+    "pymavlink==2.4.50",
+    "MAVProxy==1.8.75",
+    "mavsdk==4.1.0",
+];
+
+/// What ground stations do with the simulated vehicle, a program each.
+const CLIENTS: [&str; 4] = [
+    "pymavlink_monitoring.py",
+    "pymavlink_services.py",
+    "mavsdk_flight.py",
+    "mavproxy_flight.py",
+];
 
 /// pyulog reads every topic of every log that is written here.
 pub fn reads_logs() -> Outcome {
@@ -16,6 +30,18 @@ pub fn reads_logs() -> Outcome {
     let logs = logs()?;
     let script = root().join("tests").join("clients").join("pyulog_read.py");
     run(Command::new(python).arg(script).args(logs))
+}
+
+/// Ground stations that nobody here wrote connect to the simulated vehicle, upload, fly and land.
+pub fn fly() -> Outcome {
+    let python = environment()?;
+    run(cargo(["build", "--locked", "--release", "--package", "windhover-sim"]).arg("--quiet"))?;
+    let program = target_directory()?.join("release").join("windhover");
+    for client in CLIENTS {
+        let script = root().join("tests").join("clients").join(client);
+        run(Command::new(&python).arg(script).env("WINDHOVER", &program))?;
+    }
+    Ok(())
 }
 
 /// Logs of whole flights, and the small ones of the log's own tests.

@@ -60,6 +60,11 @@ const STEPS: &[Step] = &[
         python::reads_logs,
     ),
     step(
+        "clients",
+        "pymavlink, MAVSDK and MAVProxy upload to the simulated vehicle and fly it",
+        python::fly,
+    ),
+    step(
         "fuzz",
         "what reads bytes from outside stands two minutes of fuzzing",
         fuzz::targets,

@@ -16,6 +16,8 @@ pub fn run(args: &SitlArgs) -> Result<bool, String> {
     let (setup, service, words) = (args.setup()?, args.service(), args.words());
     let conditions = output::world(&setup, &words);
     let served = sitl::vehicle(&setup, service.home, &conditions).map_err(|e| words.explain(&e))?;
+    // Whoever reads the first line may connect at once.
+    let net = sitl::open(&service)?;
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
     let log_name = args.out.join("flight.ulg");
     let stop = Arc::new(AtomicBool::new(false));
@@ -35,7 +37,7 @@ pub fn run(args: &SitlArgs) -> Result<bool, String> {
         service.udp,
         service.speed
     ));
-    let (log, ended) = sitl::serve(served, &service, &log_name, &stop, &mut |line: &Line| {
+    let (log, ended) = sitl::serve(served, net, &service, &log_name, &stop, &mut |line: &Line| {
         say(&format!("{:9.1} s  {}", line.time, line.text));
     })?;
     let rest = log.finish(&figures(&ended), &events(&ended));

@@ -1,5 +1,6 @@
 //! The vehicle in real time, or faster, with ground stations at its links, until it is stopped.
 
+pub mod echo;
 pub mod net;
 pub mod served;
 
@@ -75,16 +76,24 @@ pub fn vehicle(
     Ok(Served::new(setup.equip(flown, home), log, LINKS))
 }
 
+/// Opens the sockets. The error is one line for the user.
+pub fn open(service: &Service) -> Result<Net, String> {
+    Net::open(service.udp, service.tcp)
+}
+
 /// Serves until `stop` is set or the vehicle crashes. The log grows in `log_file`; `tell` is told
 /// each line. The error is one line for the user.
 pub fn serve(
     mut served: Served,
+    mut net: Net,
     service: &Service,
     log_file: &Path,
     stop: &AtomicBool,
     tell: &mut dyn FnMut(&Line),
 ) -> Result<(FlightLog, Ended), String> {
-    let mut net = Net::open(service.udp, service.tcp)?;
+    if service.speed > 1.0 {
+        served = served.hurried();
+    }
     let at_file = |e: std::io::Error| format!("{}: {e}", log_file.display());
     let mut file = File::create(log_file).map_err(at_file)?;
     let start = Instant::now();

@@ -10,6 +10,7 @@ use windhover_vehicle_link::{Effects, Fitting, PlanMedium, Told, VehicleLink};
 use crate::closed_loop::{ClosedLoop, Recorder};
 use crate::flight_log::FlightLog;
 use crate::sensors::compass_fitting;
+use crate::sitl::echo::Echo;
 
 /// Bytes a second that a socket carries, for all that the link has to know: a tenth of that would do.
 const BANDWIDTH: u32 = 1_000_000;
@@ -33,6 +34,8 @@ pub struct Served {
     told: Told,
     taken: Told,
     log: FlightLog,
+    /// In a simulation that runs faster than the clock.
+    echo: Option<Echo>,
     lines: Vec<Line>,
     /// Simulated time, s.
     time: f64,
@@ -56,6 +59,7 @@ impl Served {
             told: Told::default(),
             taken: Told::default(),
             log,
+            echo: None,
             lines: Vec::new(),
             time: 0.0,
             period: 1.0 / f64::from(config.imu_rate),
@@ -65,6 +69,14 @@ impl Served {
         };
         served.links = (0..links).map(|index| served.fresh_link(index)).collect();
         served
+    }
+
+    /// The same, to run faster than the clock: what its senders repeat by the clock is repeated here by
+    /// the simulated time.
+    #[must_use]
+    pub fn hurried(mut self) -> Self {
+        self.echo = Some(Echo::default());
+        self
     }
 
     fn fresh_link(&self, index: usize) -> Link {
@@ -175,8 +187,11 @@ impl Served {
             });
         };
         self.vehicle.step(&mut self.links, &self.taken, now, &mut say);
-        let queues = &mut self.flown.mailboxes.queues;
-        queues.refill(&self.vehicle.take_inputs());
+        let mut inputs = self.vehicle.take_inputs();
+        if let Some(echo) = &mut self.echo {
+            echo.repeat(&mut inputs, now);
+        }
+        self.flown.mailboxes.queues.refill(&inputs);
         if let Some(urgent) = self.vehicle.take_urgent() {
             self.flown.urgent = Some(urgent);
         }
