@@ -1,0 +1,464 @@
+//! What lies in the journal: keys and values, between bytes and meaning.
+//!
+//! A key is a number of 32 bits. Those of parameters come from their names, so that a firmware
+//! with other indices finds them again; those of the rest have the highest bit clear.
+//!
+//! | key | value |
+//! |---|---|
+//! | parameter | its value, an f32 |
+//! | ledger | what is being written, or sums over parameters and heads: [`Ledger`] |
+//! | head of a kind of plan | the slot of the journal that is valid, items, CRC-32 over them |
+//! | chunk of a slot of a kind | up to [`CHUNK_ITEMS`] items of 32 bytes; empty: given back |
+
+use heapless::Vec;
+use windhover_autopilot::mission::{MissionItem, PlanKind};
+use windhover_autopilot::{MissionCommit, Parameters};
+use windhover_flight_log::Record;
+use windhover_flight_log::wire::{Decoder, Encoder};
+
+use crate::sum;
+
+/// Every kind of plan, at the place of its number.
+pub const KINDS: [PlanKind; 3] = [PlanKind::Mission, PlanKind::Fence, PlanKind::Rally];
+
+/// Items in one chunk of a plan.
+pub const CHUNK_ITEMS: usize = 8;
+
+/// Bytes of an item, as the log has it.
+const ITEM: usize = 32;
+
+/// Most parameters of one group: with a word before them they fill a value.
+pub const GROUP: usize = 31;
+
+/// Bytes of a key.
+pub const KEY: usize = 4;
+
+/// The longest value.
+pub const VALUE: usize = CHUNK_ITEMS * ITEM;
+
+/// Something to be done in flash.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to put it on")]
+pub enum Task {
+    /// Forget everything: the journal makes no sense.
+    Clear,
+    /// Write a record.
+    Store(Entry),
+}
+
+/// One record of the journal. It is written whole, or the one before it stays.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    pub(crate) key: u32,
+    pub(crate) value: Vec<u8, VALUE>,
+}
+
+/// What a key stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// A parameter of this firmware.
+    Parameter(usize),
+    /// The [`Ledger`].
+    Ledger,
+    /// Which slot of a kind of plan is valid.
+    Head(PlanKind),
+    /// Items of a kind of plan in a slot.
+    Chunk(PlanKind, Slot, u8),
+}
+
+/// One of the two places of a plan in the journal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Slot {
+    /// One.
+    #[default]
+    A,
+    /// The other one.
+    B,
+}
+
+impl Slot {
+    /// The one that this is not.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+
+    fn from_code(code: u8) -> Option<Self> {
+        match code {
+            0 => Some(Self::A),
+            1 => Some(Self::B),
+            _ => None,
+        }
+    }
+}
+
+/// A parameter's key has this bit.
+const PARAMETER: u32 = 0x8000_0000;
+
+/// Keys of all parameters, by index.
+pub const PARAMETER_KEYS: [u32; Parameters::COUNT] = {
+    let mut keys = [0; Parameters::COUNT];
+    let (mut index, mut group) = (0, 0);
+    while group < Parameters::GROUPS.len() {
+        let declarations = Parameters::GROUPS[group].declarations;
+        let mut place = 0;
+        while place < declarations.len() {
+            keys[index] = PARAMETER | sum::bytes(sum::START, declarations[place].name.as_bytes());
+            (index, place) = (index + 1, place + 1);
+        }
+        group += 1;
+    }
+    keys
+};
+
+/// Sum over names, ranges and defaults: another table's values have another sum without harm.
+const TABLE: u32 = {
+    let (mut sum, mut group) = (sum::START, 0);
+    while group < Parameters::GROUPS.len() {
+        let declarations = Parameters::GROUPS[group].declarations;
+        let mut place = 0;
+        while place < declarations.len() {
+            let declaration = &declarations[place];
+            sum = sum::bytes(sum, declaration.name.as_bytes());
+            sum = sum::word(sum, declaration.min.to_bits());
+            sum = sum::word(sum, declaration.max.to_bits());
+            sum = sum::word(sum, declaration.default.to_bits());
+            place += 1;
+        }
+        group += 1;
+    }
+    sum
+};
+
+const LEDGER: u8 = 3;
+const HEAD: u8 = 2;
+const CHUNK: u8 = 1;
+
+impl Key {
+    /// Its number. A parameter that does not exist has 0, which nothing else has.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Parameter(index) => PARAMETER_KEYS.get(index).copied().unwrap_or(0),
+            Self::Ledger => u32::from_be_bytes([LEDGER, 0, 0, 0]),
+            Self::Head(kind) => u32::from_be_bytes([HEAD, kind.code(), 0, 0]),
+            Self::Chunk(kind, slot, chunk) => u32::from_be_bytes([CHUNK, kind.code(), slot as u8, chunk]),
+        }
+    }
+
+    /// The key with that number; `None` where this firmware has none.
+    pub fn of(number: u32) -> Option<Self> {
+        if number & PARAMETER != 0 {
+            let index = PARAMETER_KEYS.iter().position(|known| *known == number)?;
+            return Some(Self::Parameter(index));
+        }
+        let [tag, kind, slot, chunk] = number.to_be_bytes();
+        let kind = PlanKind::from_code(kind)?;
+        match (tag, slot, chunk) {
+            (LEDGER, 0, 0) if kind.code() == 0 => Some(Self::Ledger),
+            (HEAD, 0, 0) => Some(Self::Head(kind)),
+            (CHUNK, slot, chunk) => Some(Self::Chunk(kind, Slot::from_code(slot)?, chunk)),
+            _ => None,
+        }
+    }
+}
+
+/// A parameter's value.
+pub fn parameter(index: usize, value: f32) -> Entry {
+    entry(Key::Parameter(index), |out| out.bytes(value.to_le_bytes()))
+}
+
+/// The value that [`parameter`] wrote.
+pub fn read_parameter(value: &[u8]) -> Option<f32> {
+    value.try_into().ok().map(f32::from_le_bytes)
+}
+
+/// Guards what is written by several records. Parameters that are to change together are announced
+/// here, written one by one, and settled here: when power fails in between, the next start does the
+/// rest. What was settled must be there at the next start, or it is damaged.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to put it on")]
+pub enum Ledger {
+    /// These parameters are being written, keys and values; or, without any, a head is.
+    Group(Vec<(u32, f32), GROUP>),
+    /// Nothing is.
+    Settled(Sums),
+    /// All parameters are being written over damaged ones: until they are settled they stay damaged.
+    Rewriting,
+}
+
+/// What a ledger was settled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sums {
+    /// The table of parameters.
+    table: u32,
+    /// Over the values of all parameters: [`values`].
+    values: u32,
+    /// Over the heads: [`Head::sum`].
+    heads: [u32; 3],
+}
+
+impl Sums {
+    /// Of this firmware's parameters.
+    pub const fn new(values: u32, heads: [u32; 3]) -> Self {
+        Self {
+            table: TABLE,
+            values,
+            heads,
+        }
+    }
+}
+
+impl Ledger {
+    /// Whether parameters of this sum may be those that are written, as far as this firmware can
+    /// tell.
+    pub fn allows_values(&self, values: u32) -> bool {
+        match self {
+            Self::Settled(sums) if sums.table == TABLE => sums.values == values,
+            Self::Settled(_) | Self::Group(_) => true,
+            Self::Rewriting => false,
+        }
+    }
+
+    /// Which heads, of these sums, may be those that are written.
+    pub fn allows_heads(&self, heads: [u32; 3]) -> [bool; 3] {
+        match self {
+            Self::Settled(sums) => [0, 1, 2].map(|kind| sums.heads.get(kind) == heads.get(kind)),
+            Self::Group(_) | Self::Rewriting => [true; 3],
+        }
+    }
+
+    /// Whether it is settled for this firmware.
+    pub fn is_settled(&self) -> bool {
+        matches!(self, Self::Settled(sums) if sums.table == TABLE)
+    }
+
+    /// As it is written.
+    pub fn entry(&self) -> Entry {
+        entry(Key::Ledger, |out| match self {
+            Self::Group(group) => {
+                out.bytes(1u32.to_le_bytes());
+                for (key, value) in group {
+                    out.bytes(key.to_le_bytes());
+                    out.bytes(value.to_le_bytes());
+                }
+            }
+            Self::Settled(Sums { table, values, heads }) => {
+                for word in [0, *table, *values].iter().chain(heads) {
+                    out.bytes(word.to_le_bytes());
+                }
+            }
+            Self::Rewriting => out.bytes(2u32.to_le_bytes()),
+        })
+    }
+
+    /// As it was written; `None` for what nobody writes.
+    pub fn read(value: &[u8]) -> Option<Self> {
+        let mut from = Decoder::new(value);
+        let mut word = || from.bytes().map(u32::from_le_bytes);
+        let ledger = match word()? {
+            0 => Self::Settled(Sums {
+                table: word()?,
+                values: word()?,
+                heads: [word()?, word()?, word()?],
+            }),
+            1 => {
+                let mut group = Vec::new();
+                while let Some(key) = word() {
+                    group.push((key, f32::from_bits(word()?))).ok()?;
+                }
+                Self::Group(group)
+            }
+            2 => Self::Rewriting,
+            _ => return None,
+        };
+        from.rest().is_empty().then_some(ledger)
+    }
+}
+
+/// Sum over values, as of all parameters.
+pub fn values(values: impl Iterator<Item = f32>) -> u32 {
+    values.fold(sum::START, |sum, value| sum::word(sum, value.to_bits()))
+}
+
+/// The values of all parameters, by index.
+pub fn all(parameters: &Parameters) -> impl Iterator<Item = f32> {
+    (0..Parameters::COUNT).filter_map(|index| parameters.get(index))
+}
+
+/// Which slot of a kind of plan is valid, and what is in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Head {
+    /// The slot.
+    pub slot: Slot,
+    /// How many items; 0 is no plan.
+    pub count: u16,
+    /// CRC-32 over them.
+    pub crc: u32,
+}
+
+impl Head {
+    /// As it is written.
+    pub fn entry(&self, kind: PlanKind) -> Entry {
+        entry(Key::Head(kind), |out| {
+            out.bytes([self.slot as u8, 0]);
+            out.bytes(self.count.to_le_bytes());
+            out.bytes(self.crc.to_le_bytes());
+        })
+    }
+
+    /// As it was written; `None` for what nobody writes.
+    pub fn read(value: &[u8]) -> Option<Self> {
+        let mut from = Decoder::new(value);
+        let [slot, _] = from.bytes()?;
+        let head = Self {
+            slot: Slot::from_code(slot)?,
+            count: u16::from_le_bytes(from.bytes()?),
+            crc: u32::from_le_bytes(from.bytes()?),
+        };
+        from.rest().is_empty().then_some(head)
+    }
+
+    /// What [`Ledger::allows_heads`] compares.
+    pub fn sum(&self) -> u32 {
+        let place = u32::from(self.count) << 8 | self.slot as u32;
+        sum::word(sum::word(sum::START, place), self.crc)
+    }
+
+    /// Whether the plan that was committed is this one.
+    pub fn holds(&self, commit: &MissionCommit) -> bool {
+        self.count == commit.count && self.crc == commit.crc
+    }
+}
+
+/// Items of a plan; none gives the chunk back.
+pub fn chunk(kind: PlanKind, slot: Slot, chunk: u8, items: &[MissionItem]) -> Entry {
+    entry(Key::Chunk(kind, slot, chunk), |out| {
+        for item in items {
+            item.put(out);
+        }
+    })
+}
+
+/// The items that [`chunk`] wrote; `None` for what nobody writes.
+pub fn read_chunk(value: &[u8]) -> Option<Vec<MissionItem, CHUNK_ITEMS>> {
+    let mut from = Decoder::new(value);
+    let mut items = Vec::new();
+    while !from.rest().is_empty() {
+        items.push(MissionItem::get(&mut from)?).ok()?;
+    }
+    Some(items)
+}
+
+fn entry(key: Key, write: impl FnOnce(&mut Encoder<'_>)) -> Entry {
+    let mut bytes = [0; VALUE];
+    let mut out = Encoder::new(&mut bytes);
+    write(&mut out);
+    // Everything above fits: the bounds of chunks and groups are those of `VALUE`.
+    let length = out.finish().unwrap_or(0);
+    Entry {
+        key: key.number(),
+        value: bytes.iter().take(length).copied().collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two parameters of one key would overwrite one another.
+    #[test]
+    fn every_key_is_of_one_thing_and_is_found_again() {
+        extern crate std;
+        let parameters = (0..Parameters::COUNT).map(Key::Parameter);
+        let heads = KINDS.map(Key::Head);
+        let chunks = KINDS.into_iter().flat_map(|kind| {
+            [Slot::A, Slot::B]
+                .into_iter()
+                .flat_map(move |slot| (0..32).map(move |chunk| Key::Chunk(kind, slot, chunk)))
+        });
+        let keys: std::vec::Vec<_> = parameters
+            .chain(heads)
+            .chain([Key::Ledger])
+            .chain(chunks)
+            .collect();
+        let numbers: std::collections::BTreeSet<_> = keys.iter().map(|key| key.number()).collect();
+        assert_eq!(numbers.len(), keys.len());
+        for key in keys {
+            assert_eq!(Key::of(key.number()), Some(key));
+        }
+        assert_eq!(Key::of(0), None);
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_whatever_else_is_refused() {
+        let group = Ledger::Group([(7, 1.5); GROUP].into_iter().collect());
+        for ledger in [
+            group,
+            Ledger::Settled(Sums::new(5, [6, 7, 8])),
+            Ledger::Group(Vec::new()),
+            Ledger::Rewriting,
+        ] {
+            let entry = ledger.entry();
+            assert_eq!(Ledger::read(&entry.value), Some(ledger));
+            assert_eq!(Ledger::read(&entry.value[..entry.value.len() - 1]), None);
+        }
+        assert_eq!(Ledger::read(&[3, 0, 0, 0]), None);
+        let head = Head {
+            slot: Slot::B,
+            count: 250,
+            crc: 0x1234_5678,
+        };
+        let entry = head.entry(PlanKind::Fence);
+        assert_eq!(Head::read(&entry.value), Some(head));
+        assert_eq!(Head::read(&[2, 0, 1, 0, 0, 0, 0, 0]), None);
+        assert_eq!(read_parameter(&parameter(3, -0.5).value), Some(-0.5));
+        assert_eq!(read_parameter(&[0; 5]), None);
+    }
+
+    #[test]
+    fn items_come_back_bit_for_bit() {
+        let item = MissionItem {
+            command: 54_321,
+            frame: 200,
+            autocontinue: true,
+            params: [f32::from_bits(0x7fc1_2345), -0.0, f32::INFINITY, 1.5],
+            x: i32::MIN,
+            y: -1,
+            z: f32::from_bits(0xffff_ffff),
+        };
+        for count in 0..=CHUNK_ITEMS {
+            let written = chunk(PlanKind::Rally, Slot::A, 3, &[item; CHUNK_ITEMS][..count]);
+            assert_eq!(written.value.len(), count * ITEM);
+            let read = read_chunk(&written.value).unwrap();
+            assert_eq!(chunk(PlanKind::Rally, Slot::A, 3, &read), written);
+        }
+        assert_eq!(read_chunk(&[0; 33]), None);
+    }
+
+    /// One wrong value, anywhere, is noticed; those of another firmware are not compared.
+    #[test]
+    fn a_ledger_knows_the_values_that_it_was_settled_with() {
+        let mut parameters = Parameters::default();
+        let sum = values(all(&parameters));
+        let settled = Ledger::Settled(Sums::new(sum, [1, 2, 3]));
+        assert!(settled.allows_values(sum) && settled.is_settled());
+        for index in 0..Parameters::COUNT {
+            let before = parameters.get(index).unwrap();
+            let declaration = Parameters::declaration(index).unwrap();
+            let other = [declaration.min, declaration.max].map(f32::to_bits);
+            let other = other.into_iter().find(|bits| *bits != before.to_bits()).unwrap();
+            parameters.set(index, f32::from_bits(other)).unwrap();
+            assert!(!settled.allows_values(values(all(&parameters))), "{index}");
+            parameters.set(index, before).unwrap();
+        }
+        assert_eq!(settled.allows_heads([1, 0, 3]), [true, false, true]);
+        let other = Ledger::Settled(Sums {
+            table: TABLE ^ 1,
+            ..Sums::new(sum, [1, 2, 3])
+        });
+        assert!(other.allows_values(sum ^ 1) && !other.is_settled());
+        assert!(!Ledger::Rewriting.allows_values(sum));
+    }
+}
