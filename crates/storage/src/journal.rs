@@ -15,7 +15,8 @@ use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_flight_log::mission_crc;
 
 use crate::capacity;
-use crate::record::{self, CHUNK_ITEMS, Entry, GROUP, Head, KEY, KINDS, Key, Ledger, Slot, Task, VALUE};
+use crate::ledger::{self, GROUP, Ledger};
+use crate::record::{self, CHUNK_ITEMS, Entry, Head, KEY, KINDS, Key, Slot, Task, VALUE};
 use crate::sectors::{Found, SECTORS, Sectors};
 
 /// Something that was not opened or stored.
@@ -101,6 +102,8 @@ pub(crate) struct Contents {
     pub group: Vec<(u16, f32), GROUP>,
     /// Which plans are valid, by the number of their kind.
     pub heads: [Head; 3],
+    /// The first record of a journal is a ledger; here there is none yet.
+    pub is_new: bool,
     /// What is written was not settled, or by another firmware.
     pub unsettled: bool,
     /// Which chunks hold items, a bit each, by the number of their kind and by slot.
@@ -134,6 +137,9 @@ impl<F: NorFlash> Journal<F> {
         self.map.flash().set_read_only(true);
         let mut reading = Reading::default();
         let mut read = self.each(|key, value| reading.take(key, value)).await;
+        if !reading.any && self.map.flash().holds_something().await {
+            read = Err(StoreError::Damaged);
+        }
         let mut loaded = reading.finish();
         let heads = loaded.contents.heads;
         if heads.iter().any(|head| head.count > 0) {
@@ -231,6 +237,8 @@ struct Reading {
     values: [Option<f32>; Parameters::COUNT],
     ledger: Option<Ledger>,
     contents: Contents,
+    /// There are records.
+    any: bool,
     /// Something that nobody writes.
     strange: bool,
 }
@@ -241,6 +249,7 @@ impl Default for Reading {
             values: [None; _],
             ledger: None,
             contents: Contents::default(),
+            any: false,
             strange: false,
         }
     }
@@ -249,6 +258,7 @@ impl Default for Reading {
 impl Reading {
     /// The newest record of a key is the last one.
     fn take(&mut self, key: Option<Key>, value: &[u8]) {
+        self.any = true;
         match key {
             Some(Key::Parameter(index)) => {
                 let value = record::read_parameter(value);
@@ -278,8 +288,10 @@ impl Reading {
 
     fn finish(mut self) -> Loaded {
         let mut contents = self.contents;
-        let is_new = self.ledger.is_none();
+        contents.is_new = self.ledger.is_none();
+        let is_lost = contents.is_new && self.any;
         let ledger = self.ledger.unwrap_or(Ledger::Group(Vec::new()));
+        contents.unsettled = !(contents.is_new || ledger.is_settled());
         if let Ledger::Group(group) = &ledger {
             for (key, value) in group {
                 if let Some(Key::Parameter(index)) = Key::of(*key)
@@ -299,18 +311,16 @@ impl Reading {
                 refused += u16::from(parameters.set(index, *value).is_err());
             }
         }
-        let is_blank = is_new && stored == 0;
-        contents.unsettled = !(is_blank || ledger.is_settled());
-        let values = record::values(record::all(&parameters));
+        let values = ledger::values(ledger::all(&parameters));
         let heads = ledger.allows_heads(contents.heads.map(|head| head.sum()));
         Loaded {
             parameters,
             stored,
             plans: [MissionCommit::default(); 3],
             damage: Damage {
-                parameters: !ledger.allows_values(values) || self.strange,
+                parameters: is_lost || self.strange || !ledger.allows_values(values),
                 refused,
-                plans: heads.map(|is_allowed| !is_allowed),
+                plans: heads.map(|is_allowed| is_lost || !is_allowed),
                 ..Damage::default()
             },
             contents,

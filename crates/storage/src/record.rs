@@ -5,10 +5,12 @@
 //!
 //! | key | value |
 //! |---|---|
-//! | parameter | its value, an f32 |
-//! | ledger | what is being written, or sums over parameters and heads: [`Ledger`] |
+//! | parameter | its value, an f32; 0 |
+//! | ledger | what is being written, or sums over parameters and heads: [`Ledger`](crate::ledger::Ledger) |
 //! | head of a kind of plan | the slot of the journal that is valid, items, CRC-32 over them |
 //! | chunk of a slot of a kind | up to [`CHUNK_ITEMS`] items of 32 bytes; empty: given back |
+//!
+//! No record is 8 bytes long: see [`sectors`](crate::sectors).
 
 use heapless::Vec;
 use windhover_autopilot::mission::{MissionItem, PlanKind};
@@ -26,9 +28,6 @@ pub const CHUNK_ITEMS: usize = 8;
 
 /// Bytes of an item, as the log has it.
 const ITEM: usize = 32;
-
-/// Most parameters of one group: with a word before them they fill a value.
-pub const GROUP: usize = 31;
 
 /// Bytes of a key.
 pub const KEY: usize = 4;
@@ -58,7 +57,7 @@ pub struct Entry {
 pub enum Key {
     /// A parameter of this firmware.
     Parameter(usize),
-    /// The [`Ledger`].
+    /// The [`Ledger`](crate::ledger::Ledger).
     Ledger,
     /// Which slot of a kind of plan is valid.
     Head(PlanKind),
@@ -113,25 +112,6 @@ pub const PARAMETER_KEYS: [u32; Parameters::COUNT] = {
     keys
 };
 
-/// Sum over names, ranges and defaults: another table's values have another sum without harm.
-const TABLE: u32 = {
-    let (mut sum, mut group) = (sum::START, 0);
-    while group < Parameters::GROUPS.len() {
-        let declarations = Parameters::GROUPS[group].declarations;
-        let mut place = 0;
-        while place < declarations.len() {
-            let declaration = &declarations[place];
-            sum = sum::bytes(sum, declaration.name.as_bytes());
-            sum = sum::word(sum, declaration.min.to_bits());
-            sum = sum::word(sum, declaration.max.to_bits());
-            sum = sum::word(sum, declaration.default.to_bits());
-            place += 1;
-        }
-        group += 1;
-    }
-    sum
-};
-
 const LEDGER: u8 = 3;
 const HEAD: u8 = 2;
 const CHUNK: u8 = 1;
@@ -166,125 +146,16 @@ impl Key {
 
 /// A parameter's value.
 pub fn parameter(index: usize, value: f32) -> Entry {
-    entry(Key::Parameter(index), |out| out.bytes(value.to_le_bytes()))
+    entry(Key::Parameter(index), |out| {
+        out.bytes(value.to_le_bytes());
+        out.bytes([0; 4]);
+    })
 }
 
 /// The value that [`parameter`] wrote.
 pub fn read_parameter(value: &[u8]) -> Option<f32> {
-    value.try_into().ok().map(f32::from_le_bytes)
-}
-
-/// Guards what is written by several records. Parameters that are to change together are announced
-/// here, written one by one, and settled here: when power fails in between, the next start does the
-/// rest. What was settled must be there at the next start, or it is damaged.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "there is no heap to put it on")]
-pub enum Ledger {
-    /// These parameters are being written, keys and values; or, without any, a head is.
-    Group(Vec<(u32, f32), GROUP>),
-    /// Nothing is.
-    Settled(Sums),
-    /// All parameters are being written over damaged ones: until they are settled they stay damaged.
-    Rewriting,
-}
-
-/// What a ledger was settled with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sums {
-    /// The table of parameters.
-    table: u32,
-    /// Over the values of all parameters: [`values`].
-    values: u32,
-    /// Over the heads: [`Head::sum`].
-    heads: [u32; 3],
-}
-
-impl Sums {
-    /// Of this firmware's parameters.
-    pub const fn new(values: u32, heads: [u32; 3]) -> Self {
-        Self {
-            table: TABLE,
-            values,
-            heads,
-        }
-    }
-}
-
-impl Ledger {
-    /// Whether parameters of this sum may be those that are written, as far as this firmware can
-    /// tell.
-    pub fn allows_values(&self, values: u32) -> bool {
-        match self {
-            Self::Settled(sums) if sums.table == TABLE => sums.values == values,
-            Self::Settled(_) | Self::Group(_) => true,
-            Self::Rewriting => false,
-        }
-    }
-
-    /// Which heads, of these sums, may be those that are written.
-    pub fn allows_heads(&self, heads: [u32; 3]) -> [bool; 3] {
-        match self {
-            Self::Settled(sums) => [0, 1, 2].map(|kind| sums.heads.get(kind) == heads.get(kind)),
-            Self::Group(_) | Self::Rewriting => [true; 3],
-        }
-    }
-
-    /// Whether it is settled for this firmware.
-    pub fn is_settled(&self) -> bool {
-        matches!(self, Self::Settled(sums) if sums.table == TABLE)
-    }
-
-    /// As it is written.
-    pub fn entry(&self) -> Entry {
-        entry(Key::Ledger, |out| match self {
-            Self::Group(group) => {
-                out.bytes(1u32.to_le_bytes());
-                for (key, value) in group {
-                    out.bytes(key.to_le_bytes());
-                    out.bytes(value.to_le_bytes());
-                }
-            }
-            Self::Settled(Sums { table, values, heads }) => {
-                for word in [0, *table, *values].iter().chain(heads) {
-                    out.bytes(word.to_le_bytes());
-                }
-            }
-            Self::Rewriting => out.bytes(2u32.to_le_bytes()),
-        })
-    }
-
-    /// As it was written; `None` for what nobody writes.
-    pub fn read(value: &[u8]) -> Option<Self> {
-        let mut from = Decoder::new(value);
-        let mut word = || from.bytes().map(u32::from_le_bytes);
-        let ledger = match word()? {
-            0 => Self::Settled(Sums {
-                table: word()?,
-                values: word()?,
-                heads: [word()?, word()?, word()?],
-            }),
-            1 => {
-                let mut group = Vec::new();
-                while let Some(key) = word() {
-                    group.push((key, f32::from_bits(word()?))).ok()?;
-                }
-                Self::Group(group)
-            }
-            2 => Self::Rewriting,
-            _ => return None,
-        };
-        from.rest().is_empty().then_some(ledger)
-    }
-}
-
-/// Sum over values, as of all parameters.
-pub fn values(values: impl Iterator<Item = f32>) -> u32 {
-    values.fold(sum::START, |sum, value| sum::word(sum, value.to_bits()))
-}
-
-/// The values of all parameters, by index.
-pub fn all(parameters: &Parameters) -> impl Iterator<Item = f32> {
-    (0..Parameters::COUNT).filter_map(|index| parameters.get(index))
+    let (value, rest) = value.split_first_chunk()?;
+    (rest == [0; 4]).then_some(f32::from_le_bytes(*value))
 }
 
 /// Which slot of a kind of plan is valid, and what is in it.
@@ -351,7 +222,7 @@ pub fn read_chunk(value: &[u8]) -> Option<Vec<MissionItem, CHUNK_ITEMS>> {
     Some(items)
 }
 
-fn entry(key: Key, write: impl FnOnce(&mut Encoder<'_>)) -> Entry {
+pub(crate) fn entry(key: Key, write: impl FnOnce(&mut Encoder<'_>)) -> Entry {
     let mut bytes = [0; VALUE];
     let mut out = Encoder::new(&mut bytes);
     write(&mut out);
@@ -365,12 +236,14 @@ fn entry(key: Key, write: impl FnOnce(&mut Encoder<'_>)) -> Entry {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use crate::ledger::{Ledger, Sums};
 
     /// Two parameters of one key would overwrite one another.
     #[test]
     fn every_key_is_of_one_thing_and_is_found_again() {
-        extern crate std;
         let parameters = (0..Parameters::COUNT).map(Key::Parameter);
         let heads = KINDS.map(Key::Head);
         let chunks = KINDS.into_iter().flat_map(|kind| {
@@ -391,20 +264,28 @@ mod tests {
         assert_eq!(Key::of(0), None);
     }
 
+    /// Else a record would be taken for the header of one, and hidden: its length is that of a header.
+    #[test]
+    fn no_record_is_as_long_as_a_header() {
+        let head = Head::default();
+        let mut lengths = std::vec![parameter(0, 1.0), head.entry(PlanKind::Rally)];
+        for count in 0..=CHUNK_ITEMS {
+            let items = std::vec![MissionItem { command: 16, frame: 3, autocontinue: true, params: [0.0; 4], x: 0, y: 0, z: 0.0 }; count];
+            lengths.push(chunk(PlanKind::Fence, Slot::A, 0, &items));
+        }
+        for count in 0..=crate::ledger::GROUP {
+            lengths.push(Ledger::Group((0..count).map(|_| (1, 1.0)).collect()).entry());
+        }
+        lengths.push(Ledger::Rewriting.entry());
+        lengths.push(Ledger::Settled(Sums::new(0, [0; 3])).entry());
+        for entry in lengths {
+            assert_ne!(KEY + entry.value.len(), 8, "{entry:?}");
+            assert!(entry.value.len() <= VALUE && entry.value.len().is_multiple_of(4));
+        }
+    }
+
     #[test]
     fn what_is_written_is_read_and_whatever_else_is_refused() {
-        let group = Ledger::Group([(7, 1.5); GROUP].into_iter().collect());
-        for ledger in [
-            group,
-            Ledger::Settled(Sums::new(5, [6, 7, 8])),
-            Ledger::Group(Vec::new()),
-            Ledger::Rewriting,
-        ] {
-            let entry = ledger.entry();
-            assert_eq!(Ledger::read(&entry.value), Some(ledger));
-            assert_eq!(Ledger::read(&entry.value[..entry.value.len() - 1]), None);
-        }
-        assert_eq!(Ledger::read(&[3, 0, 0, 0]), None);
         let head = Head {
             slot: Slot::B,
             count: 250,
@@ -435,30 +316,5 @@ mod tests {
             assert_eq!(chunk(PlanKind::Rally, Slot::A, 3, &read), written);
         }
         assert_eq!(read_chunk(&[0; 33]), None);
-    }
-
-    /// One wrong value, anywhere, is noticed; those of another firmware are not compared.
-    #[test]
-    fn a_ledger_knows_the_values_that_it_was_settled_with() {
-        let mut parameters = Parameters::default();
-        let sum = values(all(&parameters));
-        let settled = Ledger::Settled(Sums::new(sum, [1, 2, 3]));
-        assert!(settled.allows_values(sum) && settled.is_settled());
-        for index in 0..Parameters::COUNT {
-            let before = parameters.get(index).unwrap();
-            let declaration = Parameters::declaration(index).unwrap();
-            let other = [declaration.min, declaration.max].map(f32::to_bits);
-            let other = other.into_iter().find(|bits| *bits != before.to_bits()).unwrap();
-            parameters.set(index, f32::from_bits(other)).unwrap();
-            assert!(!settled.allows_values(values(all(&parameters))), "{index}");
-            parameters.set(index, before).unwrap();
-        }
-        assert_eq!(settled.allows_heads([1, 0, 3]), [true, false, true]);
-        let other = Ledger::Settled(Sums {
-            table: TABLE ^ 1,
-            ..Sums::new(sum, [1, 2, 3])
-        });
-        assert!(other.allows_values(sum ^ 1) && !other.is_settled());
-        assert!(!Ledger::Rewriting.allows_values(sum));
     }
 }

@@ -7,10 +7,14 @@
 //! without it holds nothing, whatever its bits are. Above this layer such a sector reads as
 //! blank, and its erasure waits until something is written into it.
 //!
+//! When power fails while a record's header is written, its length may be any, and once in 65,536
+//! times the sum over the length fits it. `sequential-storage` would want to read such a record and
+//! have no room for it, now and ever after. Here it is shown as one that was erased. Headers are
+//! told from all else by their length: no record of ours has it.
+//!
 //! Clearing the mark programs a word twice. The STM32F405 allows that as long as bits are only
 //! cleared (RM0090 3.6.2).
 
-use core::mem;
 use core::ops::Range;
 
 use embassy_futures::yield_now;
@@ -19,6 +23,7 @@ use embedded_storage_async::nor_flash::{
 };
 
 use crate::StoreError;
+use crate::record::{KEY, VALUE};
 
 /// How many sectors there are: one is always free for what is moved.
 pub const SECTORS: usize = 3;
@@ -31,6 +36,9 @@ const MARK: u32 = 0xA5C3_96E1;
 const MARK_TOLERANCE: u32 = 2;
 
 const MARK_SIZE: u32 = 4;
+
+/// Bytes of a few records: power failed while the first one was written, and again.
+const FEW: u32 = 1024;
 
 /// After so many bytes read others have a turn: to move a sector reads it many times over.
 const TURN: u32 = 2048;
@@ -51,8 +59,11 @@ pub struct Sectors<F> {
     flash: F,
     start: u32,
     marked: [bool; SECTORS],
-    /// Never used, nor any other: it needs no erasure.
-    blank: [bool; SECTORS],
+    /// Never used: at most the first mark was begun.
+    untouched: [bool; SECTORS],
+    /// No sector was ever used: they need no erasure. A sector of a journal that looks blank may have
+    /// been erased for too short a time.
+    new: bool,
     /// Nothing may be changed.
     read_only: bool,
     until_turn: u32,
@@ -81,7 +92,8 @@ impl<F: NorFlash> Sectors<F> {
             flash,
             start: range.start,
             marked: [false; SECTORS],
-            blank: [false; SECTORS],
+            untouched: [false; SECTORS],
+            new: false,
             read_only: false,
             until_turn: TURN,
         };
@@ -92,25 +104,23 @@ impl<F: NorFlash> Sectors<F> {
     }
 
     async fn look(&mut self) -> Result<Found, F::Error> {
-        let mut empty = true;
         for sector in 0..SECTORS {
             let start = self.start + sector as u32 * Self::SIZE;
             let mut mark = [0; MARK_SIZE as usize];
             self.flash.read(start, &mut mark).await?;
             let mark = u32::from_le_bytes(mark);
             let is_marked = (mark ^ MARK).count_ones() <= MARK_TOLERANCE;
+            let may_become_marked = mark & MARK == MARK;
             let is_blank = self.is_blank(start + MARK_SIZE..start + Self::SIZE).await?;
-            if let (Some(marked), Some(blank)) = (self.marked.get_mut(sector), self.blank.get_mut(sector)) {
-                (*marked, *blank) = (is_marked, is_blank && mark == u32::MAX);
-            }
-            empty &= is_blank;
+            set(&mut self.marked, sector, is_marked);
+            set(&mut self.untouched, sector, is_blank && may_become_marked);
         }
-        if self.marked.contains(&true) {
-            // A sector without a mark that looks blank may have been erased for too short a time.
-            self.blank = [false; SECTORS];
-            return Ok(Found::Journal);
-        }
-        Ok(if empty { Found::Blank } else { Found::Foreign })
+        self.new = self.untouched == [true; SECTORS];
+        Ok(match self.marked.contains(&true) {
+            true if !self.new => Found::Journal,
+            _ if self.new => Found::Blank,
+            _ => Found::Foreign,
+        })
     }
 
     async fn is_blank(&mut self, range: Range<u32>) -> Result<bool, F::Error> {
@@ -126,6 +136,23 @@ impl<F: NorFlash> Sectors<F> {
             at += length;
         }
         Ok(true)
+    }
+
+    /// Whether there is more than a few first records that were interrupted: other sectors were used,
+    /// or were to be cleared.
+    pub async fn holds_something(&mut self) -> bool {
+        for sector in 0..SECTORS {
+            let start = self.start + sector as u32 * Self::SIZE;
+            let rest = start + Self::SIZE.min(FEW)..start + Self::SIZE;
+            let something = match self.is_marked(sector) {
+                true => !matches!(self.is_blank(rest).await, Ok(true)),
+                false => self.untouched.get(sector) != Some(&true),
+            };
+            if something {
+                return true;
+            }
+        }
+        false
     }
 
     /// From now on changes are refused, or taken again.
@@ -146,27 +173,54 @@ impl<F: NorFlash> Sectors<F> {
         self.marked.get(sector) == Some(&true)
     }
 
-    fn set_marked(&mut self, sector: usize, is_marked: bool) {
-        if let Some(marked) = self.marked.get_mut(sector) {
-            *marked = is_marked;
-        }
-    }
-
     /// Makes a sector ready to be written into.
     async fn prepare(&mut self, sector: usize) -> Result<(), F::Error> {
         if self.is_marked(sector) {
             return Ok(());
         }
         let start = self.start + sector as u32 * Self::SIZE;
-        let is_blank = self.blank.get_mut(sector).map(mem::take).unwrap_or_default();
-        if !is_blank {
+        if !(self.new && self.untouched.get(sector) == Some(&true)) {
             // The mark may still stand there: to take it off was refused, or it went wrong.
             self.flash.write(start, &[0; MARK_SIZE as usize]).await?;
             self.flash.erase(start, start + Self::SIZE).await?;
         }
         self.flash.write(start, &MARK.to_le_bytes()).await?;
-        self.set_marked(sector, true);
+        set(&mut self.untouched, sector, false);
+        set(&mut self.marked, sector, true);
         Ok(())
+    }
+
+    /// Whether that is what was written: a cell may have lost its bit before.
+    async fn verify(&mut self, place: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        let mut buffer = [0; 64];
+        for (part, at) in bytes.chunks(buffer.len()).zip((place..).step_by(buffer.len())) {
+            let read = buffer.get_mut(..part.len()).unwrap_or_default();
+            self.flash.read(at, read).await.map_err(kind)?;
+            if read != part {
+                return Err(NorFlashErrorKind::Other);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Shows the header of a record that nobody wrote, as it is longer than any, as erased: with a sum of
+/// zero over its data. A header is that sum, 4 bytes, the length, 2 bytes, and a sum over that.
+fn hide_long_record(bytes: &mut [u8]) {
+    if let [sum @ .., low, high, _, _] = bytes
+        && sum.len() == 4
+    {
+        let length = u16::from_le_bytes([*low, *high]);
+        if usize::from(length) > KEY + VALUE && length != u16::MAX {
+            sum.fill(0);
+        }
+    }
+}
+
+/// Notes something of a sector.
+fn set(flags: &mut [bool; SECTORS], sector: usize, value: bool) {
+    if let Some(flag) = flags.get_mut(sector) {
+        *flag = value;
     }
 }
 
@@ -193,7 +247,9 @@ impl<F: NorFlash> ReadNorFlash for Sectors<F> {
             self.until_turn = TURN;
             yield_now().await;
         }
-        self.flash.read(self.start + place, bytes).await.map_err(kind)
+        self.flash.read(self.start + place, bytes).await.map_err(kind)?;
+        hide_long_record(bytes);
+        Ok(())
     }
 
     fn capacity(&self) -> usize {
@@ -211,14 +267,13 @@ impl<F: NorFlash> NorFlash for Sectors<F> {
             return Err(NorFlashErrorKind::Other);
         }
         for sector in from / Self::ROOM..to / Self::ROOM {
-            if self.is_marked(sector as usize) {
-                self.set_marked(sector as usize, false);
-                let start = self.start + sector * Self::SIZE;
-                self.flash
-                    .write(start, &[0; MARK_SIZE as usize])
-                    .await
-                    .map_err(kind)?;
-            }
+            set(&mut self.marked, sector as usize, false);
+            set(&mut self.untouched, sector as usize, false);
+            let start = self.start + sector * Self::SIZE;
+            self.flash
+                .write(start, &[0; MARK_SIZE as usize])
+                .await
+                .map_err(kind)?;
         }
         Ok(())
     }
@@ -229,6 +284,7 @@ impl<F: NorFlash> NorFlash for Sectors<F> {
         }
         let (sector, place) = Self::place(offset, bytes.len())?;
         self.prepare(sector).await.map_err(kind)?;
-        self.flash.write(self.start + place, bytes).await.map_err(kind)
+        self.flash.write(self.start + place, bytes).await.map_err(kind)?;
+        self.verify(self.start + place, bytes).await
     }
 }

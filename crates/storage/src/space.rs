@@ -28,14 +28,14 @@ pub const LIMIT: usize = 2 * PAGE - 2 * record(VALUE);
 
 /// So many bytes are valid at most: all parameters, the ledger, all plans as long as they may be, a
 /// new mission beside the old one, and the chunks of the other plans that were given back.
-pub const MOST: usize = Parameters::COUNT * record(4)
+pub const MOST: usize = Parameters::COUNT * record(8)
     + record(VALUE)
     + 3 * record(8)
     + (2 * chunks(PlanKind::Mission) + chunks(PlanKind::Fence) + chunks(PlanKind::Rally)) * record(VALUE)
     + (chunks(PlanKind::Fence) + chunks(PlanKind::Rally)) * record(0);
 
 /// What is left is for parameters of other firmware, which are kept: for as many as there are now.
-const _: () = assert!(MOST + Parameters::COUNT * record(4) <= LIMIT);
+const _: () = assert!(MOST + Parameters::COUNT * record(8) <= LIMIT);
 
 /// A bit for each chunk of a plan.
 const _: () = assert!(chunks(PlanKind::Mission) <= 32 && chunks(PlanKind::Fence) <= 32);

@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::slice;
+
 use common::nor::{Nor, Operation};
 use common::{KINDS, Random, State, Vehicle, load, plan};
 use windhover_autopilot::Parameters;
@@ -96,18 +98,24 @@ fn cut_everywhere(mut nor: Nor, changes: &[Change], often: usize) -> (usize, usi
             assert!(writes.len() <= 31, "one group");
         }
         for operation in after.record.take().expect("it is recorded") {
-            erasures += usize::from(matches!(operation, Operation::Erase { .. }));
+            let is_erasure = matches!(operation, Operation::Erase { .. });
+            erasures += usize::from(is_erasure);
             let what = format!("{change:?} before {cuts}, {operation:?}");
             check(&mut nor.clone(), &allowed, &what);
-            let mut torn = nor.clone();
-            torn.random = Random(cuts as u64);
-            torn.tear(operation);
-            check(&mut torn.clone(), &allowed, &format!("{what}, within"));
-            if cuts % often == 0 {
-                let mut vehicle = Vehicle::start(&mut torn);
-                change.make(&mut vehicle);
-                vehicle.settle().expect("flash that works again");
-                check(&mut torn, &[new.clone()], &format!("{what}, and again"));
+            // A word is torn in one way, a sector in many.
+            let ways = if is_erasure { 100 } else { 1 };
+            for way in 0..ways {
+                let mut torn = nor.clone();
+                torn.random = Random(cuts as u64 * 1000 + way);
+                torn.tear(operation);
+                let what = format!("{what}, within, way {way}");
+                check(&mut torn.clone(), &allowed, &what);
+                if is_erasure && way % 10 == 0 || cuts % often == 0 {
+                    let mut vehicle = Vehicle::start(&mut torn);
+                    change.make(&mut vehicle);
+                    vehicle.settle().expect("flash that works again");
+                    check(&mut torn, slice::from_ref(&new), &format!("{what}, and again"));
+                }
             }
             nor.apply(operation);
             cuts += 1;
@@ -183,9 +191,14 @@ fn a_power_cut_at_random_moments_loses_nothing() {
             change.make(&mut vehicle);
             vehicle.settle().expect("flash that works");
             let new = vehicle.state();
-            let operations = whole.record.take().expect("it is recorded").len();
+            let operations = whole.record.take().expect("it is recorded");
+            let is_erasure = |operation: &Operation| matches!(operation, Operation::Erase { .. });
 
-            nor.power = Some(random.below(operations + 1));
+            nor.power = Some(match operations.iter().position(is_erasure) {
+                // Rare, and the worst of all moments.
+                Some(erasure) if random.below(2) == 0 => erasure,
+                _ => random.below(operations.len() + 1),
+            });
             nor.random = Random(random.next());
             let mut vehicle = Vehicle::start(&mut nor);
             change.make(&mut vehicle);
@@ -233,4 +246,45 @@ fn what_is_refused_is_stored_later() {
         assert_eq!(tries > 0, interrupted);
         check(&mut nor, &[new], &format!("{seed}, {change:?}, after {tries}"));
     }
+}
+
+/// Damaged parameters that a human accepted are written anew: until all are, each start finds the
+/// damage, and none takes a part of them for the whole.
+#[test]
+fn a_power_cut_while_damage_is_repaired_leaves_it_damaged() {
+    let mut nor = used(10, 1);
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.set(2, 0.012_345);
+    vehicle.upload(PlanKind::Mission, &plan(1, 20));
+    vehicle.settle().expect("flash that works");
+    let value = 0.012_345f32.to_le_bytes();
+    let at = nor.bytes.windows(4).rposition(|bytes| bytes == value);
+    nor.flip(8 * at.expect("it is stored"));
+    let mut after = nor.clone();
+    after.record = Some(Vec::new());
+    let mut vehicle = Vehicle::start(&mut after);
+    assert!(vehicle.loaded.damage.parameters);
+    vehicle.set(7, Parameters::declaration(7).expect("it exists").max);
+    vehicle.keeper.accept();
+    vehicle.settle().expect("flash that works");
+    let new = vehicle.state();
+    let operations = after.record.take().expect("it is recorded");
+    assert!(operations.len() > 4 * Parameters::COUNT);
+    let mut told = 0;
+    for (number, operation) in operations.into_iter().enumerate() {
+        let mut torn = nor.clone();
+        torn.random = Random(number as u64);
+        torn.tear(operation);
+        for nor in [&mut nor.clone(), &mut torn] {
+            let (state, loaded) = load(nor);
+            told += usize::from(loaded.damage.is_any());
+            let is_told = loaded.damage.journal || loaded.damage.parameters;
+            assert!(is_told || state.parameters == new.parameters, "at {number}");
+            let plan = [(0, 0), new.plans[0]].contains(&state.plans[0]);
+            assert!(plan, "at {number}: {:?}", state.plans[0]);
+        }
+        nor.apply(operation);
+    }
+    assert!(told > 4 * Parameters::COUNT);
+    check(&mut nor, slice::from_ref(&new), "in the end");
 }
