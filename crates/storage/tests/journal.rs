@@ -146,3 +146,30 @@ fn a_range_that_is_not_three_whole_sectors_is_refused() {
     }
     open(&mut Nor::blank());
 }
+
+/// What reading costs: a start goes over the flash a few times. To turn a page that is full of small
+/// records goes over it for each of them; that lets others have turns.
+#[test]
+fn reading_is_bounded() {
+    let mut nor = Nor::blank();
+    let (mut start, mut change) = (0, 0);
+    for n in 0..300u16 {
+        let mut vehicle = Vehicle::start(&mut nor);
+        vehicle.upload(PlanKind::Rally, &plan(n.into(), 8));
+        for (index, declaration) in Parameters::declarations().enumerate().step_by(20) {
+            let share = f32::from(n) * 1e-3;
+            vehicle.set(
+                index,
+                declaration.min + (declaration.max - declaration.min) * share,
+            );
+        }
+        vehicle.settle().unwrap();
+        drop(vehicle);
+        let all = std::mem::take(&mut nor.read);
+        load(&mut nor);
+        start = start.max(nor.read);
+        change = change.max(all - std::mem::take(&mut nor.read));
+    }
+    println!("at most {start} bytes are read at a start, {change} for a change");
+    assert!(start < 4 * 3 * SECTOR && change < 10_000_000);
+}

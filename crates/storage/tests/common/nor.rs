@@ -36,6 +36,8 @@ pub struct Nor {
     /// Of all attempts, counted from the first, these are refused: as while armed.
     pub refused: Range<usize>,
     pub attempts: usize,
+    /// Bytes that were read.
+    pub read: usize,
     /// Whether setting a bit by programming is a mistake: not so where bits were flipped.
     pub strict: bool,
 }
@@ -59,6 +61,7 @@ impl Nor {
             is_off: false,
             refused: 0..0,
             attempts: 0,
+            read: 0,
             strict: true,
         }
     }
@@ -140,6 +143,7 @@ impl ReadNorFlash for &mut Nor {
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Refused> {
         let offset = offset as usize;
+        self.read += bytes.len();
         bytes.copy_from_slice(&self.bytes[offset..offset + bytes.len()]);
         Ok(())
     }
