@@ -6,7 +6,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
 use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig, ParameterWrite, Parameters};
 use windhover_flight_log::{Logger, LoggerConfig};
-use windhover_storage::{Journal, Keeper, Loaded, PlanMemory, StoreError, View};
+use windhover_storage::{Journal, Keeper, Loaded, PlanSink, StoreError, View};
 use windhover_vehicle_link::Fitting;
 
 use crate::board::{self, STORED, Storage};
@@ -22,7 +22,7 @@ impl MissionSource for NoPlans {
     }
 }
 
-impl PlanMemory for NoPlans {
+impl PlanSink for NoPlans {
     fn put(&mut self, _: PlanKind, _: u16, _: &MissionItem) -> bool {
         false
     }

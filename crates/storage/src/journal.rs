@@ -10,11 +10,10 @@ use heapless::Vec;
 use sequential_storage::Error;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
-use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
+use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind, PlanMemory};
 use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_flight_log::mission_crc;
 
-use crate::capacity;
 use crate::ledger::{self, GROUP, Ledger};
 use crate::record::{self, CHUNK_ITEMS, Entry, Head, KEY, KINDS, Key, Slot, Task, VALUE};
 use crate::sectors::{Found, SECTORS, Sectors};
@@ -74,10 +73,16 @@ impl fmt::Display for Damage {
     }
 }
 
-/// Where plans are kept while the vehicle is on: the journal fills slot 0 of each kind.
-pub trait PlanMemory: MissionSource {
-    /// Keeps an item in slot 0; whether there was room.
+/// Where plans are kept while the vehicle is on: a start fills slot 0 of each kind.
+pub trait PlanSink: MissionSource {
+    /// Keeps an item in slot 0, whatever came before it; whether there was room.
     fn put(&mut self, kind: PlanKind, index: u16, item: &MissionItem) -> bool;
+}
+
+impl PlanSink for PlanMemory {
+    fn put(&mut self, kind: PlanKind, index: u16, item: &MissionItem) -> bool {
+        Self::put(self, kind, 0, index, *item)
+    }
 }
 
 /// What a start finds.
@@ -87,7 +92,7 @@ pub struct Loaded {
     pub parameters: Parameters,
     /// How many of them are stored.
     pub stored: u16,
-    /// What lies in slot 0 of the [`PlanMemory`] now, by the number of its kind; without items where
+    /// What lies in slot 0 of the [`PlanSink`] now, by the number of its kind; without items where
     /// there is no plan. To be committed to the core.
     pub plans: [MissionCommit; 3],
     /// What is damaged.
@@ -133,7 +138,7 @@ impl<F: NorFlash> Journal<F> {
 
     /// Reads everything that is stored; nothing is written. Blank flash holds nothing, and is not
     /// damaged.
-    pub async fn load<M: PlanMemory>(&mut self, plans: &mut M) -> Loaded {
+    pub async fn load<M: PlanSink>(&mut self, plans: &mut M) -> Loaded {
         self.map.flash().set_read_only(true);
         let mut reading = Reading::default();
         let mut read = self.each(|key, value| reading.take(key, value)).await;
@@ -206,7 +211,7 @@ impl<F: NorFlash> Journal<F> {
 }
 
 /// Keeps the items of a chunk, if it belongs to a valid plan.
-fn put_chunk<M: PlanMemory>(key: Option<Key>, value: &[u8], heads: &[Head; 3], plans: &mut M) {
+fn put_chunk<M: PlanSink>(key: Option<Key>, value: &[u8], heads: &[Head; 3], plans: &mut M) {
     let Some(Key::Chunk(kind, slot, chunk)) = key else {
         return;
     };
@@ -215,15 +220,15 @@ fn put_chunk<M: PlanMemory>(key: Option<Key>, value: &[u8], heads: &[Head; 3], p
         return;
     }
     let first = u16::from(chunk) * CHUNK_ITEMS as u16;
-    for (index, item) in (first..capacity(kind)).zip(record::read_chunk(value).iter().flatten()) {
+    for (index, item) in (first..PlanMemory::capacity(kind)).zip(record::read_chunk(value).iter().flatten()) {
         plans.put(kind, index, item);
     }
 }
 
 /// Whether the items of a plan are what its head says.
-fn is_whole<M: PlanMemory>(kind: PlanKind, head: &Head, plans: &M) -> bool {
-    let mut missing = head.count > capacity(kind);
-    let items = (0..head.count.min(capacity(kind))).map_while(|index| {
+fn is_whole<M: PlanSink>(kind: PlanKind, head: &Head, plans: &M) -> bool {
+    let mut missing = head.count > PlanMemory::capacity(kind);
+    let items = (0..head.count.min(PlanMemory::capacity(kind))).map_while(|index| {
         let item = plans.item(kind, 0, index);
         missing |= item.is_none();
         item

@@ -34,21 +34,7 @@ pub mod sectors;
 mod space;
 mod sum;
 
-pub use journal::{Damage, Journal, Loaded, PlanMemory, StoreError};
+pub use journal::{Damage, Journal, Loaded, PlanSink, StoreError};
 pub use keeper::{Keeper, View};
 pub use record::{Entry, Task};
 pub use space::{LIMIT, MOST};
-
-use windhover_autopilot::fence::{MAX_RALLY, MAX_SHAPES, MAX_VERTICES};
-use windhover_autopilot::mission::{MAX_ITEMS, PlanKind};
-
-/// How many items of a kind of plan the journal has room for, always. A fence needs one for each
-/// vertex and each circle.
-pub const fn capacity(kind: PlanKind) -> u16 {
-    let items = match kind {
-        PlanKind::Mission => MAX_ITEMS,
-        PlanKind::Fence => MAX_VERTICES + MAX_SHAPES,
-        PlanKind::Rally => MAX_RALLY,
-    };
-    items as u16
-}

@@ -6,9 +6,8 @@
 //! record, it is written; so [`LIMIT`] is their room less twice the longest record.
 
 use windhover_autopilot::Parameters;
-use windhover_autopilot::mission::PlanKind;
+use windhover_autopilot::mission::{PlanKind, PlanMemory};
 
-use crate::capacity;
 use crate::record::{CHUNK_ITEMS, KEY, VALUE};
 
 /// Bytes of a sector above the layer of marks, and of its page markers.
@@ -20,7 +19,7 @@ const fn record(value: usize) -> usize {
 }
 
 const fn chunks(kind: PlanKind) -> usize {
-    (capacity(kind) as usize).div_ceil(CHUNK_ITEMS)
+    (PlanMemory::capacity(kind) as usize).div_ceil(CHUNK_ITEMS)
 }
 
 /// So many bytes of valid records always find room.

@@ -6,8 +6,8 @@ use common::nor::{Nor, SECTOR};
 use common::{KINDS, State, Vehicle, load, open, plan};
 use embassy_futures::block_on;
 use windhover_autopilot::Parameters;
-use windhover_autopilot::mission::PlanKind;
-use windhover_storage::{Damage, Journal, LIMIT, MOST, StoreError, capacity};
+use windhover_autopilot::mission::{PlanKind, PlanMemory};
+use windhover_storage::{Damage, Journal, LIMIT, MOST, StoreError};
 
 fn index(name: &str) -> usize {
     Parameters::find(name).expect("a parameter of this name")
@@ -85,7 +85,7 @@ fn there_is_room_for_everything_at_once() {
     }
     for round in 0..6 {
         for kind in KINDS {
-            vehicle.upload(kind, &plan(round, capacity(kind).into()));
+            vehicle.upload(kind, &plan(round, PlanMemory::capacity(kind).into()));
             vehicle.settle().unwrap();
         }
     }
@@ -109,7 +109,7 @@ fn a_plan_that_is_too_long_is_refused_and_the_old_one_stays() {
     let state = vehicle.state();
     vehicle.upload(
         PlanKind::Rally,
-        &plan(2, usize::from(capacity(PlanKind::Rally)) + 1),
+        &plan(2, usize::from(PlanMemory::capacity(PlanKind::Rally)) + 1),
     );
     assert_eq!(vehicle.step(), None);
     assert_eq!(vehicle.keeper.given_up(), Some(StoreError::Full));

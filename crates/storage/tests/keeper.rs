@@ -177,9 +177,10 @@ fn a_plan_without_its_crc_is_not_stored() {
     vehicle.settle().unwrap();
     let state = vehicle.state();
     vehicle.upload(PlanKind::Mission, &plan(2, 20));
-    let slot = usize::from(vehicle.plans[0].slot);
+    let slot = vehicle.plans[0].slot;
     vehicle.step();
-    vehicle.memory.slots[0][slot][12].x ^= 1;
+    let other = common::item(99);
+    assert!(vehicle.memory.put(PlanKind::Mission, slot, 12, other));
     while let Some(outcome) = vehicle.step() {
         outcome.unwrap();
     }

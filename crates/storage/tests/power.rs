@@ -8,8 +8,8 @@ use std::slice;
 use common::nor::{Nor, Operation};
 use common::{KINDS, Random, State, Vehicle, load, plan};
 use windhover_autopilot::Parameters;
-use windhover_autopilot::mission::PlanKind;
-use windhover_storage::{Damage, capacity};
+use windhover_autopilot::mission::{PlanKind, PlanMemory};
+use windhover_storage::Damage;
 
 /// One thing that is stored.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl Change {
         }
         let kind = KINDS[random.below(3)];
         let most = [40, 40, 8][usize::from(kind.code())];
-        let all = usize::from(capacity(kind));
+        let all = usize::from(PlanMemory::capacity(kind));
         let count = [0, random.below(most), random.below(most), all][random.below(4)];
         Self::Plan(kind, random.next(), count)
     }
@@ -160,14 +160,22 @@ fn a_power_cut_loses_nothing_where_it_is_full() {
     }
     for round in 0..3 {
         for kind in KINDS {
-            vehicle.upload(kind, &plan(round, capacity(kind).into()));
+            vehicle.upload(kind, &plan(round, PlanMemory::capacity(kind).into()));
             vehicle.settle().expect("flash that works");
         }
     }
     let changes = [
-        Change::Plan(PlanKind::Mission, 7, capacity(PlanKind::Mission).into()),
-        Change::Plan(PlanKind::Fence, 7, capacity(PlanKind::Fence).into()),
-        Change::Plan(PlanKind::Mission, 8, capacity(PlanKind::Mission).into()),
+        Change::Plan(
+            PlanKind::Mission,
+            7,
+            PlanMemory::capacity(PlanKind::Mission).into(),
+        ),
+        Change::Plan(PlanKind::Fence, 7, PlanMemory::capacity(PlanKind::Fence).into()),
+        Change::Plan(
+            PlanKind::Mission,
+            8,
+            PlanMemory::capacity(PlanKind::Mission).into(),
+        ),
         Change::Parameters(vec![(1, Parameters::declaration(1).expect("it exists").default)]),
     ];
     let (cuts, erasures) = cut_everywhere(nor, &changes, 101);

@@ -2,12 +2,11 @@
 
 use heapless::Vec;
 use windhover_autopilot::MissionCommit;
-use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
+use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind, PlanMemory};
 use windhover_flight_log::crc32;
 
 use super::parameters::Step;
 use super::{Keeper, Named, View};
-use crate::capacity;
 use crate::journal::StoreError;
 use crate::ledger::Ledger;
 use crate::record::{self, CHUNK_ITEMS, Head, KINDS, Slot, Task};
@@ -74,7 +73,7 @@ impl Keeper {
             crc,
             is_open,
         } = *writing;
-        if commit.count > capacity(kind) {
+        if commit.count > PlanMemory::capacity(kind) {
             return self.give_up(StoreError::Full);
         }
         let first = u16::from(chunks) * CHUNK_ITEMS as u16;

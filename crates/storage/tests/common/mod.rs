@@ -5,10 +5,10 @@
 pub mod nor;
 
 use embassy_futures::block_on;
-use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
+use windhover_autopilot::mission::{MissionItem, PlanKind, PlanMemory};
 use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_flight_log::mission_crc;
-use windhover_storage::{Journal, Keeper, Loaded, PlanMemory, StoreError, View};
+use windhover_storage::{Journal, Keeper, Loaded, StoreError, View};
 
 use nor::{Nor, SECTOR, SECTORS};
 
@@ -51,30 +51,6 @@ pub fn plan(seed: u64, count: usize) -> Vec<MissionItem> {
     (0..count as u64).map(|index| item(seed << 32 | index)).collect()
 }
 
-/// Plans in the vehicle's memory: by kind two slots.
-#[derive(Clone, Default, Debug)]
-pub struct Memory {
-    pub slots: [[Vec<MissionItem>; 2]; 3],
-}
-
-impl MissionSource for Memory {
-    fn item(&self, kind: PlanKind, slot: u8, index: u16) -> Option<MissionItem> {
-        let slots = &self.slots[usize::from(kind.code())];
-        slots[usize::from(slot)].get(usize::from(index)).copied()
-    }
-}
-
-impl PlanMemory for Memory {
-    fn put(&mut self, kind: PlanKind, index: u16, item: &MissionItem) -> bool {
-        let slot = &mut self.slots[usize::from(kind.code())][0];
-        while slot.len() <= usize::from(index) {
-            slot.push(self::item(u64::MAX));
-        }
-        slot[usize::from(index)] = *item;
-        true
-    }
-}
-
 /// What has to outlast power; comparable, as plans may hold what is no number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -88,7 +64,7 @@ pub struct Vehicle<'a> {
     pub journal: Journal<&'a mut Nor>,
     pub keeper: Keeper,
     pub loaded: Loaded,
-    pub memory: Memory,
+    pub memory: PlanMemory,
     pub parameters: Parameters,
     pub plans: [MissionCommit; 3],
     pub time: u64,
@@ -104,7 +80,7 @@ impl<'a> Vehicle<'a> {
     /// Starts from what the flash holds.
     pub fn start(nor: &'a mut Nor) -> Self {
         let mut journal = open(nor);
-        let mut memory = Memory::default();
+        let mut memory = PlanMemory::new();
         let loaded = block_on(journal.load(&mut memory));
         Self {
             journal,
@@ -134,7 +110,10 @@ impl<'a> Vehicle<'a> {
     pub fn upload(&mut self, kind: PlanKind, items: &[MissionItem]) {
         let place = usize::from(kind.code());
         let slot = 1 - self.plans[place].slot;
-        self.memory.slots[place][usize::from(slot)] = items.to_vec();
+        self.memory.clear(kind, slot);
+        for item in items {
+            self.memory.push(kind, slot, *item);
+        }
         self.plans[place] = MissionCommit {
             slot,
             count: items.len() as u16,
