@@ -71,6 +71,7 @@ fn sectors_are_used_in_turn() {
         }
     }
     let (least, most) = (erased.iter().min().unwrap(), erased.iter().max().unwrap());
+    println!("2000 changes: {erased:?} erasures by sector");
     assert!(*least > 0 && most - least <= 1, "{erased:?}");
     assert_eq!(load(&mut nor).0, state);
 }

@@ -147,6 +147,7 @@ fn a_power_cut_at_every_operation_loses_nothing() {
         changes.push(Change::Plan(PlanKind::Rally, round, 1 + round as usize % 8));
     }
     let (cuts, erasures) = cut_everywhere(Nor::blank(), &changes, 37);
+    println!("{cuts} operations, {erasures} erasures");
     assert!(cuts > 20_000 && erasures >= 3, "{cuts} cuts, {erasures} erasures");
 }
 
