@@ -174,9 +174,9 @@ impl<F: NorFlash> Journal<F> {
         loaded
     }
 
-    /// Does what a [`Keeper`](crate::Keeper) names. It may erase a sector, for which a microcontroller that runs from the same
-    /// flash stands still for up to half a second: never while motors may turn. What is refused or
-    /// interrupted leaves what was stored before.
+    /// Does what a [`Keeper`](crate::Keeper) names. It may erase a sector, for which a
+    /// microcontroller that runs from the same flash stands still for up to half a second: never
+    /// while motors may turn. What is refused or interrupted leaves what was stored before.
     ///
     /// # Errors
     /// [`StoreError::Flash`], [`StoreError::Full`], [`StoreError::Damaged`].

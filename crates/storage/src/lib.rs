@@ -20,10 +20,10 @@
 //! ```
 //!
 //! Power may fail at any moment. What is there at the next start is, for the group of parameters
-//! and for the plan that were being written, the old or the new one, whole; everything else is as it
-//! was. What cannot be true is refused and reported as [`Damage`], and the defaults stand in its
+//! and for the plan that were being written, the old or the new one, whole; everything else is as
+//! it was. What cannot be true is refused and reported as [`Damage`], and the defaults stand in its
 //! place; blank flash is no damage. How that is done is told in [`sectors`] for erasures, and in
-//! [`Keeper`] for groups of parameters and for plans.
+//! [`keeper`] for groups of parameters and for plans.
 #![no_std]
 
 mod journal;

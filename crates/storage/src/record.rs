@@ -6,7 +6,7 @@
 //! | key | value |
 //! |---|---|
 //! | parameter | its value, an f32; 0 |
-//! | ledger | what is being written, or sums over parameters and heads: [`Ledger`](crate::ledger::Ledger) |
+//! | ledger | what is being written, or sums: [`Ledger`](crate::ledger::Ledger) |
 //! | head of a kind of plan | the slot of the journal that is valid, items, CRC-32 over them |
 //! | chunk of a slot of a kind | up to [`CHUNK_ITEMS`] items of 32 bytes; empty: given back |
 //!

@@ -204,8 +204,8 @@ impl<F: NorFlash> Sectors<F> {
     }
 }
 
-/// Shows the header of a record that nobody wrote, as it is longer than any, as erased: with a sum of
-/// zero over its data. A header is that sum, 4 bytes, the length, 2 bytes, and a sum over that.
+/// Shows the header of a record that nobody wrote, as it is longer than any, as erased: with a sum
+/// of zero over its data. A header is that sum, 4 bytes, the length, 2 bytes, and a sum over that.
 fn hide_long_record(bytes: &mut [u8]) {
     if let [sum @ .., low, high, _, _] = bytes
         && sum.len() == 4

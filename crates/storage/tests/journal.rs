@@ -148,8 +148,8 @@ fn a_range_that_is_not_three_whole_sectors_is_refused() {
     open(&mut Nor::blank());
 }
 
-/// What reading costs: a start goes over the flash a few times. To turn a page that is full of small
-/// records goes over it for each of them; that lets others have turns.
+/// What reading costs: a start goes over the flash a few times. To turn a page that is full of
+/// small records goes over it for each of them; that lets others have turns.
 #[test]
 fn reading_is_bounded() {
     let mut nor = Nor::blank();
