@@ -3,14 +3,30 @@
 use embassy_futures::block_on;
 use embassy_time::Instant;
 use static_cell::{ConstStaticCell, StaticCell};
+use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
 use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig, ParameterWrite, Parameters};
 use windhover_flight_log::{Logger, LoggerConfig};
-use windhover_storage::ParameterStore;
+use windhover_storage::{Journal, Keeper, Loaded, PlanSink, StoreError, View};
 use windhover_vehicle_link::Fitting;
 
 use crate::board::{self, STORED, Storage};
 use crate::fault::{self, Cause};
 use crate::{shared, task};
+
+/// No plan is kept on board yet.
+struct NoPlans;
+
+impl MissionSource for NoPlans {
+    fn item(&self, _: PlanKind, _: u8, _: u16) -> Option<MissionItem> {
+        None
+    }
+}
+
+impl PlanSink for NoPlans {
+    fn put(&mut self, _: PlanKind, _: u16, _: &MissionItem) -> bool {
+        false
+    }
+}
 
 /// The core, and what is made with it.
 pub struct Core {
@@ -74,26 +90,21 @@ pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Co
 /// starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
 #[inline(never)]
 fn load(storage: Storage, store: Option<ParameterWrite>) -> (Parameters, bool) {
-    let mut journal = ParameterStore::new(storage, STORED).expect("whole sectors");
+    let mut journal = block_on(Journal::open(storage, STORED)).expect("whole sectors");
+    let loaded = block_on(journal.load(&mut NoPlans));
     if let Some(write) = store {
-        match block_on(journal.save(usize::from(write.index), write.value)) {
+        match save(&mut journal, &loaded, &write) {
             Ok(()) => defmt::info!("parameter {=u16} is stored", write.index),
             Err(_) => defmt::error!("parameter {=u16} could not be stored", write.index),
         }
         fault::restart();
     }
-    let mut parameters = Parameters::default();
-    let loaded = block_on(journal.load(&mut parameters));
-    defmt::info!("{=u32} parameters from flash", loaded.set);
-    let damaged = loaded.refused > 0 || loaded.corrupt;
+    defmt::info!("{=u16} parameters from flash", loaded.stored);
+    let damaged = loaded.damage.is_any();
     if damaged {
-        defmt::error!(
-            "{=u32} stored parameters are refused, the journal is damaged: {=bool}",
-            loaded.refused,
-            loaded.corrupt
-        );
+        defmt::error!("{}", defmt::Display2Format(&loaded.damage));
     }
-    (parameters, damaged)
+    (loaded.parameters, damaged)
 }
 
 /// The outer step with these parameters; where some are damaged, one that does not arm of itself.
@@ -110,4 +121,24 @@ fn outer(parameters: &Parameters, damaged: bool, config: &OuterConfig) -> Outer 
     Outer::new(Parameters::default(), config)
         .expect("the default parameters describe a vehicle that flies")
         .with_damaged_storage()
+}
+
+/// Stores one parameter, and whatever a start before did not finish.
+fn save(journal: &mut Journal<Storage>, loaded: &Loaded, write: &ParameterWrite) -> Result<(), StoreError> {
+    let mut keeper = Keeper::new(loaded);
+    let mut parameters = loaded.parameters;
+    // A value that is refused is not stored: it would be refused at each start.
+    let _ = parameters.set(usize::from(write.index), write.value);
+    keeper.hurry();
+    let view = View {
+        time: 0,
+        armed: false,
+        parameters: &parameters,
+        plans: loaded.plans,
+    };
+    while let Some(task) = keeper.next(&view, &NoPlans) {
+        let outcome = block_on(journal.perform(&task));
+        keeper.done(outcome);
+    }
+    keeper.given_up().map_or(Ok(()), Err)
 }

@@ -1,217 +1,176 @@
-//! The journal on a model of NOR flash.
+//! The journal without trouble: what is stored is there at the next start.
 
+mod common;
+
+use common::nor::{Nor, SECTOR};
+use common::{KINDS, State, Vehicle, load, open, plan};
 use embassy_futures::block_on;
-use embedded_storage_async::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
-use sequential_storage::cache::Cache;
-use sequential_storage::map::{MapConfig, MapStorage};
 use windhover_autopilot::Parameters;
-use windhover_storage::{Loaded, ParameterStore, StoreError};
-
-const SECTOR: usize = 16 * 1024;
-const SECTORS: usize = 3;
-
-/// Three sectors of 16 KiB whose bits can only be cleared, but by erasing. Power can fail before
-/// any write or erasure.
-#[derive(Clone)]
-struct Nor {
-    bytes: Vec<u8>,
-    /// Operations until the power fails.
-    power: Option<usize>,
-    operations: usize,
-}
-
-#[derive(Debug, PartialEq, Eq)]
-struct PowerCut;
-
-impl NorFlashError for PowerCut {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl Nor {
-    fn blank() -> Self {
-        Self {
-            bytes: vec![0xff; SECTORS * SECTOR],
-            power: None,
-            operations: 0,
-        }
-    }
-
-    fn operate(&mut self) -> Result<(), PowerCut> {
-        if self.power == Some(self.operations) {
-            return Err(PowerCut);
-        }
-        self.operations += 1;
-        Ok(())
-    }
-}
-
-impl ErrorType for &mut Nor {
-    type Error = PowerCut;
-}
-
-impl ReadNorFlash for &mut Nor {
-    const READ_SIZE: usize = 1;
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerCut> {
-        let offset = offset as usize;
-        bytes.copy_from_slice(&self.bytes[offset..offset + bytes.len()]);
-        Ok(())
-    }
-    fn capacity(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
-impl NorFlash for &mut Nor {
-    const WRITE_SIZE: usize = 4;
-    const ERASE_SIZE: usize = SECTOR;
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
-        self.operate()?;
-        self.bytes[from as usize..to as usize].fill(0xff);
-        Ok(())
-    }
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
-        for (n, word) in bytes.chunks(4).enumerate() {
-            self.operate()?;
-            for (m, byte) in word.iter().enumerate() {
-                let place = &mut self.bytes[offset as usize + 4 * n + m];
-                assert!(*place == 0xff || *byte == *place, "a word is written twice");
-                *place &= byte;
-            }
-        }
-        Ok(())
-    }
-}
-
-fn store(nor: &mut Nor) -> ParameterStore<&mut Nor> {
-    ParameterStore::new(nor, 0..(SECTORS * SECTOR) as u32).expect("three whole sectors")
-}
-
-fn load(nor: &mut Nor) -> (Parameters, Loaded) {
-    let mut parameters = Parameters::default();
-    let loaded = block_on(store(nor).load(&mut parameters));
-    (parameters, loaded)
-}
+use windhover_autopilot::mission::{PlanKind, PlanMemory};
+use windhover_storage::{Damage, Journal, LIMIT, MOST, StoreError};
 
 fn index(name: &str) -> usize {
     Parameters::find(name).expect("a parameter of this name")
 }
 
 #[test]
-fn blank_flash_is_all_defaults_and_not_corrupt() {
-    assert_eq!(
-        load(&mut Nor::blank()),
-        (Parameters::default(), Loaded::default())
-    );
+fn blank_flash_is_all_defaults_and_not_damaged() {
+    let mut nor = Nor::blank();
+    let (state, loaded) = load(&mut nor);
+    assert_eq!((state, loaded.stored), (State::default(), 0));
+    assert_eq!(loaded.damage, Damage::default());
+    assert_eq!(nor.bytes, Nor::blank().bytes, "a start writes nothing");
 }
 
 #[test]
 fn what_was_stored_is_there_after_a_restart() {
     let mut nor = Nor::blank();
-    let rate = index("IMU_GYRO_RATEMAX");
-    for value in [2000.0, 4000.0] {
-        block_on(store(&mut nor).save(rate, value)).unwrap();
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.set(index("IMU_GYRO_RATEMAX"), 4000.0);
+    vehicle.set(index("CAL_MAG0_XOFF_UT"), -12.5);
+    for (kind, count) in KINDS.into_iter().zip([250, 9, 3]) {
+        vehicle.upload(kind, &plan(kind.code().into(), count));
     }
-    let (parameters, loaded) = load(&mut nor);
-    assert_eq!(parameters.get(rate), Some(4000.0));
-    assert_eq!(
-        loaded,
-        Loaded {
-            set: 1,
-            ..Default::default()
-        }
-    );
+    vehicle.settle().unwrap();
+    let state = vehicle.state();
+    let (after, loaded) = load(&mut nor);
+    assert_eq!((after, loaded.stored), (state, 2));
+    assert_eq!(loaded.damage, Damage::default());
 }
 
-/// Far more writes than the flash has room for.
+#[test]
+fn a_plan_that_is_cleared_is_gone_and_its_room_is_given_back() {
+    let mut nor = Nor::blank();
+    let mut vehicle = Vehicle::start(&mut nor);
+    for round in 0..40 {
+        vehicle.upload(PlanKind::Mission, &plan(round, 256));
+        vehicle.settle().unwrap();
+        vehicle.upload(PlanKind::Mission, &[]);
+        vehicle.settle().unwrap();
+    }
+    let (state, loaded) = load(&mut nor);
+    assert_eq!((state, loaded.damage), (State::default(), Damage::default()));
+}
+
+/// Far more writes than the flash has room for: sectors are used in turn.
 #[test]
 fn sectors_are_used_in_turn() {
     let mut nor = Nor::blank();
-    let (rate, idle) = (index("IMU_GYRO_RATEMAX"), index("MOT_IDLE"));
-    block_on(store(&mut nor).save(idle, 0.1)).unwrap();
-    for n in 0..3000u16 {
-        block_on(store(&mut nor).save(rate, 1000.0 + f32::from(n))).unwrap();
+    nor.record = Some(Vec::new());
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.set(index("MOT_IDLE"), 0.1);
+    for n in 0..2000u16 {
+        vehicle.set(index("IMU_GYRO_RATEMAX"), 1000.0 + f32::from(n));
+        vehicle.settle().unwrap();
     }
-    let (parameters, loaded) = load(&mut nor);
-    assert_eq!(
-        (parameters.get(rate), parameters.get(idle)),
-        (Some(3999.0), Some(0.1))
-    );
-    assert_eq!((loaded.set, loaded.refused, loaded.corrupt), (2, 0, false));
-}
-
-/// As a firmware did that took other values.
-fn save_unchecked(nor: &mut Nor, name: &[u8; 16], value: f32) {
-    let range = 0..(SECTORS * SECTOR) as u32;
-    let config = MapConfig::try_new(range).expect("three whole sectors");
-    let mut journal = MapStorage::<[u8; 16], _, _>::new(nor, config, Cache::new_uncached());
-    block_on(journal.store_item(&mut [0; 64], name, &value)).expect("there is room");
-}
-
-#[test]
-fn a_stored_value_that_is_refused_leaves_the_default() {
-    let mut nor = Nor::blank();
-    for bad in [f32::NAN, 1e9, -1.0] {
-        save_unchecked(&mut nor, b"IMU_GYRO_RATEMAX", bad);
-        let (parameters, loaded) = load(&mut nor);
-        assert_eq!(parameters, Parameters::default());
-        assert_eq!((loaded.set, loaded.refused), (0, 1));
-    }
-}
-
-#[test]
-fn what_would_be_refused_at_each_start_is_not_stored() {
-    let mut nor = Nor::blank();
-    let rate = index("IMU_GYRO_RATEMAX");
-    block_on(store(&mut nor).save(rate, 4000.0)).unwrap();
-    for bad in [f32::NAN, 1e9, -1.0] {
-        let refused = block_on(store(&mut nor).save(rate, bad));
-        assert_eq!(refused, Err(StoreError::Refused));
-    }
-    assert_eq!(load(&mut nor).0.board.imu_rate(), 4000);
-    assert_eq!(
-        block_on(store(&mut nor).save(Parameters::COUNT, 0.0)),
-        Err(StoreError::Unknown)
-    );
-}
-
-/// Power fails before every single operation of a write: the next start has the old value or the
-/// new one, and nothing else changed.
-#[test]
-fn a_power_cut_loses_at_most_the_write_under_way() {
-    let (rate, idle) = (index("IMU_GYRO_RATEMAX"), index("MOT_IDLE"));
-    let mut full = Nor::blank();
-    block_on(store(&mut full).save(idle, 0.1)).unwrap();
-    for n in 0..1500u16 {
-        block_on(store(&mut full).save(rate, 1000.0 + f32::from(n))).unwrap();
-    }
-    let mut cuts = 0;
-    for start in 0..20 {
-        let mut before = full.clone();
-        for n in 0..start * 13 {
-            block_on(store(&mut before).save(rate, 3000.0 + n as f32)).unwrap();
+    let state = vehicle.state();
+    let mut erased = [0; 3];
+    for operation in nor.record.take().unwrap() {
+        if let common::nor::Operation::Erase { sector } = operation {
+            erased[sector] += 1;
         }
-        let (old, _) = load(&mut before.clone());
-        for operation in 0.. {
-            let mut nor = before.clone();
-            nor.power = Some(nor.operations + operation);
-            let outcome = block_on(store(&mut nor).save(rate, 2500.0));
-            nor.power = None;
-            let (after, _) = load(&mut nor);
-            let value = after.get(rate);
-            assert!(
-                value == old.get(rate) || value == Some(2500.0),
-                "{value:?} at {operation}"
+    }
+    let (least, most) = (erased.iter().min().unwrap(), erased.iter().max().unwrap());
+    println!("2000 changes: {erased:?} erasures by sector");
+    assert!(*least > 0 && most - least <= 1, "{erased:?}");
+    assert_eq!(load(&mut nor).0, state);
+}
+
+/// Everything as large as it may be, and each plan then replaced by another as large.
+#[test]
+fn there_is_room_for_everything_at_once() {
+    let mut nor = Nor::blank();
+    let mut vehicle = Vehicle::start(&mut nor);
+    for (index, declaration) in Parameters::declarations().enumerate() {
+        vehicle.set(index, declaration.max);
+    }
+    for round in 0..6 {
+        for kind in KINDS {
+            vehicle.upload(kind, &plan(round, PlanMemory::capacity(kind).into()));
+            vehicle.settle().unwrap();
+        }
+    }
+    // And all parameters in turn while it is full.
+    for (index, declaration) in Parameters::declarations().enumerate().step_by(7) {
+        vehicle.set(index, declaration.default);
+        vehicle.settle().unwrap();
+    }
+    let state = vehicle.state();
+    let (after, loaded) = load(&mut nor);
+    assert_eq!((after, loaded.damage), (state, Damage::default()));
+    println!("{MOST} bytes at most, {LIMIT} find room");
+}
+
+#[test]
+fn a_plan_that_is_too_long_is_refused_and_the_old_one_stays() {
+    let mut nor = Nor::blank();
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.upload(PlanKind::Rally, &plan(1, 5));
+    vehicle.settle().unwrap();
+    let state = vehicle.state();
+    vehicle.upload(
+        PlanKind::Rally,
+        &plan(2, usize::from(PlanMemory::capacity(PlanKind::Rally)) + 1),
+    );
+    assert_eq!(vehicle.step(), None);
+    assert_eq!(vehicle.keeper.given_up(), Some(StoreError::Full));
+    assert!(vehicle.keeper.is_behind(&vehicle.view()));
+    assert_eq!(load(&mut nor).0, state);
+}
+
+/// Settings of another firmware in the same sectors, or whatever it is.
+#[test]
+fn what_is_no_journal_is_damage_until_something_is_stored() {
+    let mut nor = Nor::blank();
+    for (n, byte) in nor.bytes.iter_mut().enumerate().skip(100).take(20_000) {
+        *byte = (n * 7) as u8;
+    }
+    let mut vehicle = Vehicle::start(&mut nor);
+    assert_eq!(vehicle.state(), State::default());
+    assert!(vehicle.loaded.damage.journal);
+    assert_eq!(vehicle.step(), None, "nothing is stored of itself");
+    vehicle.set(index("MOT_IDLE"), 0.2);
+    vehicle.upload(PlanKind::Mission, &plan(1, 256));
+    vehicle.settle().unwrap();
+    let state = vehicle.state();
+    let (after, loaded) = load(&mut nor);
+    assert_eq!((after, loaded.damage), (state, Damage::default()));
+}
+
+#[test]
+fn a_range_that_is_not_three_whole_sectors_is_refused() {
+    let sector = SECTOR as u32;
+    for range in [0..2 * sector, 0..sector * 3 - 4, 4..sector * 3 + 4, sector..0] {
+        let mut nor = Nor::blank();
+        let opened = block_on(Journal::open(&mut nor, range.clone()));
+        assert_eq!(opened.err(), Some(StoreError::Range), "{range:?}");
+    }
+    open(&mut Nor::blank());
+}
+
+/// What reading costs: a start goes over the flash a few times. To turn a page that is full of
+/// small records goes over it for each of them; that lets others have turns.
+#[test]
+fn reading_is_bounded() {
+    let mut nor = Nor::blank();
+    let (mut start, mut change) = (0, 0);
+    for n in 0..300u16 {
+        let mut vehicle = Vehicle::start(&mut nor);
+        vehicle.upload(PlanKind::Rally, &plan(n.into(), 8));
+        for (index, declaration) in Parameters::declarations().enumerate().step_by(20) {
+            let share = f32::from(n) * 1e-3;
+            vehicle.set(
+                index,
+                declaration.min + (declaration.max - declaration.min) * share,
             );
-            assert_eq!(after.get(idle), Some(0.1), "at {operation}");
-            if outcome.is_ok() {
-                break;
-            }
-            cuts += 1;
         }
+        vehicle.settle().unwrap();
+        drop(vehicle);
+        let all = std::mem::take(&mut nor.read);
+        load(&mut nor);
+        start = start.max(nor.read);
+        change = change.max(all - std::mem::take(&mut nor.read));
     }
-    assert!(cuts > 100, "{cuts} cuts");
+    println!("at most {start} bytes are read at a start, {change} for a change");
+    assert!(start < 4 * 3 * SECTOR && change < 10_000_000);
 }

@@ -54,6 +54,17 @@ impl PlanMemory {
         pushed.is_some_and(|pushed| pushed.is_ok())
     }
 
+    /// Puts an item at its place in a slot; whether there was room. Places before it that were empty
+    /// hold the same item until theirs comes.
+    pub fn put(&mut self, kind: PlanKind, slot: u8, index: u16, item: MissionItem) -> bool {
+        let (slot, index) = (usize::from(slot), usize::from(index));
+        match kind {
+            PlanKind::Mission => put(&mut self.mission, slot, index, item),
+            PlanKind::Fence => put(&mut self.fence, slot, index, item),
+            PlanKind::Rally => put(&mut self.rally, slot, index, item),
+        }
+    }
+
     /// What a slot holds, in order.
     pub fn items(&self, kind: PlanKind, slot: u8) -> &[MissionItem] {
         let slot = usize::from(slot);
@@ -64,6 +75,21 @@ impl PlanMemory {
         };
         items.unwrap_or_default()
     }
+}
+
+fn put<const N: usize>(
+    slots: &mut [Vec<MissionItem, N>; 2],
+    slot: usize,
+    index: usize,
+    item: MissionItem,
+) -> bool {
+    let Some(items) = slots.get_mut(slot) else {
+        return false;
+    };
+    if index >= items.len() && items.resize(index + 1, item).is_err() {
+        return false;
+    }
+    items.get_mut(index).map(|place| *place = item).is_some()
 }
 
 impl MissionSource for PlanMemory {
@@ -86,6 +112,26 @@ mod tests {
             y: 0,
             z: 0.0,
         }
+    }
+
+    /// As they come out of storage.
+    #[test]
+    fn items_may_come_in_any_order() {
+        let mut memory = PlanMemory::new();
+        let most = usize::from(PlanMemory::capacity(PlanKind::Fence));
+        for number in (0..most).map(|number| number * 5 % most) {
+            assert!(memory.put(PlanKind::Fence, 1, number as u16, item(number)));
+        }
+        assert!(
+            memory
+                .items(PlanKind::Fence, 1)
+                .iter()
+                .copied()
+                .eq((0..most).map(item))
+        );
+        assert!(!memory.put(PlanKind::Fence, 1, most as u16, item(most)));
+        assert!(!memory.put(PlanKind::Fence, 2, 0, item(0)), "there are two slots");
+        assert!(memory.items(PlanKind::Fence, 0).is_empty());
     }
 
     #[test]
