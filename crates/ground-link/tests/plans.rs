@@ -238,6 +238,20 @@ fn a_plan_that_changes_during_a_download_ends_it() {
 }
 
 #[test]
+fn whoever_exchanged_the_plan_reads_items_of_the_new_one_without_asking_for_their_count() {
+    let mut bench = Bench::new();
+    upload(&mut bench, &plan(6, 0), MISSION);
+    assert_eq!(download(&mut bench, MISSION).len(), 6);
+    let items = plan(8, 9);
+    upload(&mut bench, &items, MISSION);
+    let given: Vec<MISSION_ITEM_INT_DATA> = all(&bench.ask(&request(7, MISSION)));
+    assert_eq!((given.len(), given[0].seq), (1, 7));
+    assert_eq!(bits(&item_of(&given[0])), bits(&items[7]));
+    let beyond = results(&bench.ask(&request(8, MISSION)));
+    assert_eq!(beyond, [R::MAV_MISSION_INVALID_SEQUENCE]);
+}
+
+#[test]
 fn a_wrong_item_ends_the_upload_with_the_right_result() {
     let items = plan(5, 0);
     for (index, kind, result) in [

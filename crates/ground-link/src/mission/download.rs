@@ -67,6 +67,15 @@ impl MissionService {
             index,
         });
     }
+
+    /// A client that has exchanged the plan itself knows the new one.
+    pub(super) fn exchanged(&mut self, client: Address, kind: PlanKind, count: u16, crc: u32) {
+        for download in &mut self.downloads {
+            if (download.client, download.kind) == (client, kind) {
+                (download.count, download.crc) = (count, crc);
+            }
+        }
+    }
 }
 
 /// Keeps a download; the oldest makes room.

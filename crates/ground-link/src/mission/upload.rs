@@ -208,6 +208,7 @@ impl MissionService {
         match around.plans.commit(kind, MissionCommit { slot, count, crc }) {
             Ok(()) => {
                 self.ended(upload, count, around.now);
+                self.exchanged(from, kind, count, crc);
                 around.ack(from, kind.code(), MissionResult::Accepted);
             }
             Err(refusal) => {
