@@ -38,8 +38,8 @@ impl Chip {
                 self.show_pwm(now, index, outside.wiring)?;
             }
             Unit::Usart(index) => {
-                if let Some(byte) = self.usarts[index].advance(now) {
-                    outside.wiring.transmitted(now, PORTS[index].number, byte);
+                if let Some(frame) = self.usarts[index].advance(now) {
+                    outside.wiring.transmitted(now, PORTS[index].number, frame);
                 }
             }
             Unit::Spi1 => self.spi.advance(now, |byte| outside.wiring.spi(now, byte)),

@@ -17,6 +17,7 @@ mod flash_options;
 mod gpio;
 mod identity;
 mod iwdg;
+pub mod line;
 mod map;
 mod pins;
 mod pwr;
@@ -32,6 +33,7 @@ pub mod wiring;
 use crate::machine::Bus;
 use crate::violation::Violation;
 use chip::{Chip, Outside};
+pub use line::{Format, Frame};
 pub use wiring::{Inputs, Pin, PwmPulse, Usart, Wiring};
 
 /// The processor's memory, as the DMA controllers reach it.

@@ -57,11 +57,11 @@ impl Chip {
             self.ports[port].drive(pin.number, *level);
             self.port_levels_changed(port);
         }
-        for (name, byte) in &inputs.received {
+        for (name, frame) in &inputs.received {
             let Some(index) = PORTS.iter().position(|port| port.number == *name) else {
                 continue;
             };
-            self.usarts[index].receive(now, *byte);
+            self.usarts[index].receive(now, *frame);
             self.changed |= slot(Unit::Usart(index));
         }
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::line::Frame;
+
 /// A pin: port 0 is A.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Pin {
@@ -52,7 +54,7 @@ pub trait Wiring {
     /// away from the timer.
     fn pwm_stopped(&mut self, now: u64, pin: Pin);
     /// The last stop bit of a byte left a serial port's transmitter pin.
-    fn transmitted(&mut self, now: u64, port: Usart, byte: u8);
+    fn transmitted(&mut self, now: u64, port: Usart, frame: Frame);
     /// When something will next happen out here.
     fn next_event(&self) -> u64;
     /// Lets everything happen that is due by `now`.
@@ -64,6 +66,6 @@ pub trait Wiring {
 pub struct Inputs {
     /// New levels of input pins, in order.
     pub levels: Vec<(Pin, bool)>,
-    /// Bytes that arrive whole at a serial port's receiver now.
-    pub received: Vec<(Usart, u8)>,
+    /// Bytes whose last stop bits end now at a serial port's receiver.
+    pub received: Vec<(Usart, Frame)>,
 }

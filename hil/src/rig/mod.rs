@@ -18,7 +18,7 @@ use windhover_model::sensor::icm42688p::{Event, Icm42688p, Measurement, Misuse};
 use windhover_model::vehicle::Plant;
 use windhover_model::{Conditions, Integrator, ModelKind, World, ideal_counts};
 
-use crate::board::{Inputs, Pin, PwmPulse, Usart, Wiring};
+use crate::board::{Format, Frame, Inputs, Pin, PwmPulse, Usart, Wiring};
 use crate::time::{MICROSECOND, SECOND};
 use fault::{Action, Fault};
 use motors::Motors;
@@ -109,7 +109,7 @@ impl Rig {
             motors: Motors::new(setup.wires.motors),
             world,
             log: Vec::new(),
-            commands: Port::default(),
+            commands: Port::new(Format::plain(setup.wires.commands_baud)),
             faults: fault::schedule(&setup.faults, setup.seed),
             faults_done: 0,
             now: 0,
@@ -138,7 +138,7 @@ impl Rig {
 
     /// Sends bytes to the command port, from `now` on or behind those that are on their way.
     pub fn send(&mut self, now: u64, bytes: &[u8]) {
-        self.commands.send(now, self.wires.commands_baud, bytes);
+        self.commands.send(now, bytes);
     }
 
     /// What the firmware sent to the command port: time in ticks, and byte.
@@ -170,9 +170,9 @@ impl Rig {
                 let change = self.motors.advance(next);
                 self.record.pulses.extend(change);
             } else if self.commands.next_event() <= next {
-                let byte = self.commands.take(next);
+                let frame = self.commands.advance(next);
                 let port = self.wires.commands;
-                self.inputs.received.extend(byte.map(|byte| (port, byte)));
+                self.inputs.received.extend(frame.map(|frame| (port, frame)));
             } else if self.imu.next_event() <= next {
                 self.imu_event(next);
             } else {
@@ -278,12 +278,12 @@ impl Wiring for Rig {
         self.run(now);
     }
 
-    fn transmitted(&mut self, now: u64, port: Usart, byte: u8) {
+    fn transmitted(&mut self, now: u64, port: Usart, frame: Frame) {
         self.run(now);
         if port == self.wires.log {
-            self.log.push(byte);
+            self.log.push(frame.data as u8);
         } else if port == self.wires.commands {
-            self.commands.receive(now, byte);
+            self.commands.receive(now, frame);
         }
     }
 

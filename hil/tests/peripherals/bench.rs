@@ -2,7 +2,7 @@
 
 use super::registers::*;
 use std::collections::VecDeque;
-use windhover_hil::board::{Board, Inputs, Memory, Pin, PwmPulse, Usart, Wiring};
+use windhover_hil::board::{Board, Format, Frame, Inputs, Memory, Pin, PwmPulse, Usart, Wiring};
 use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, NEVER};
 use windhover_hil::violation::Violation;
@@ -14,6 +14,8 @@ pub struct Wires {
     pub pulses: Vec<(u64, Pin, PwmPulse)>,
     pub stopped: Vec<(u64, Pin)>,
     pub sent: Vec<(u64, Usart, u8)>,
+    /// How the last byte was sent.
+    pub sent_as: Option<Format>,
     /// Bytes that went out over SPI, with the times of their ends.
     pub exchanged: Vec<(u64, u8)>,
     pub planned: VecDeque<(u64, Inputs)>,
@@ -34,8 +36,9 @@ impl Wiring for Wires {
     fn pwm_stopped(&mut self, now: u64, pin: Pin) {
         self.stopped.push((now, pin));
     }
-    fn transmitted(&mut self, now: u64, port: Usart, byte: u8) {
-        self.sent.push((now, port, byte));
+    fn transmitted(&mut self, now: u64, port: Usart, frame: Frame) {
+        self.sent.push((now, port, frame.data as u8));
+        self.sent_as = Some(frame.format);
     }
     fn next_event(&self) -> u64 {
         self.planned.front().map_or(NEVER, |(time, _)| *time)
@@ -84,6 +87,8 @@ pub struct Bench {
     pub board: Board<Wires>,
     pub memory: Chips,
     pub now: u64,
+    /// How planned bytes lie on the line.
+    pub line: Format,
 }
 
 impl Bench {
@@ -96,6 +101,10 @@ impl Bench {
                 flash: vec![0xFF; 0x10_0000],
             },
             now: 0,
+            line: Format {
+                bit: 0,
+                ..Format::plain(115_200)
+            },
         }
     }
 
@@ -183,11 +192,15 @@ impl Bench {
         self.board.wiring.planned.push_back((self.now + after, inputs));
     }
 
-    /// Plans that a byte will have come in after so many ticks.
+    /// Plans that a byte of the format of [`Self::line`] will have come in after so many ticks.
     pub fn plan_byte(&mut self, after: u64, port: Usart, byte: u8) {
+        let frame = Frame {
+            data: byte.into(),
+            format: self.line,
+        };
         let inputs = Inputs {
             levels: vec![],
-            received: vec![(port, byte)],
+            received: vec![(port, frame)],
         };
         self.board.wiring.planned.push_back((self.now + after, inputs));
     }

@@ -78,6 +78,7 @@ pub fn serial() -> Bench {
     bench.alternate(Pin::new('B', 10), 7);
     bench.alternate(Pin::new('B', 11), 7);
     bench.write(USART3 + BRR, 16);
+    bench.line.bit = FRAME / 10;
     bench.write(USART3 + CR1, 1 << 13 | 1 << 3 | 1 << 2);
     bench.wait(FRAME);
     bench.write(USART3 + CR3, 1 << 6 | 1 << 7);
