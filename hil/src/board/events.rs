@@ -22,7 +22,7 @@ impl Chip {
         if outside.wiring.next_event() <= now {
             let mut inputs = std::mem::take(&mut self.inputs);
             outside.wiring.advance(now, &mut inputs);
-            self.take_inputs(now, &inputs);
+            self.take_inputs(now, &inputs)?;
             let Inputs { levels, received } = &mut inputs;
             levels.clear();
             received.clear();
@@ -43,6 +43,10 @@ impl Chip {
                 }
             }
             Unit::Spi1 => self.spi.advance(now, |byte| outside.wiring.spi(now, byte)),
+            Unit::I2c1 => self
+                .i2c
+                .advance(now, outside.wiring)
+                .map_err(|refusal| refusal.during(unit.name()))?,
             Unit::Rcc => {
                 let before = self.rcc.clocks();
                 self.rcc
@@ -185,6 +189,14 @@ impl Chip {
                 self.spi.next_event(),
                 line(self.spi.interrupt(), super::spi::INTERRUPT),
             ),
+            Unit::I2c1 => {
+                let [event, error] = self.i2c.interrupts();
+                let [event_line, error_line] = super::i2c::INTERRUPTS;
+                (
+                    self.i2c.next_event(),
+                    line(event, event_line) | line(error, error_line),
+                )
+            }
             Unit::Dma(index) => (NEVER, self.dma[index].interrupts()),
             Unit::Exti => (NEVER, self.exti.interrupts()),
             Unit::Rcc => (

@@ -15,6 +15,7 @@ mod exti;
 mod flash;
 mod flash_options;
 mod gpio;
+mod i2c;
 mod identity;
 mod iwdg;
 pub mod line;
@@ -34,7 +35,7 @@ use crate::machine::Bus;
 use crate::violation::Violation;
 use chip::{Chip, Outside};
 pub use line::{Format, Frame};
-pub use wiring::{Inputs, Pin, PwmPulse, Usart, Wiring};
+pub use wiring::{I2cCondition, Inputs, Pin, PwmPulse, Usart, Wiring};
 
 /// The processor's memory, as the DMA controllers reach it.
 pub trait Memory {

@@ -42,10 +42,34 @@ pub struct PwmPulse {
     pub period: u64,
 }
 
+/// What I2C1 does on its bus between bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum I2cCondition {
+    /// A start, or a repeated start: the next byte is an address.
+    Start,
+    /// A stop.
+    Stop,
+    /// It lets go of both lines in the middle of a byte, without a stop: it was reset.
+    Released {
+        /// Clocks of the byte that were given.
+        clocks: u32,
+    },
+}
+
 /// What is on the other side of the pins. Times are virtual, see [`crate::time`].
 pub trait Wiring {
     /// SPI1 exchanges one byte; chip selects have been told through [`Wiring::output`].
     fn spi(&mut self, now: u64, mosi: u8) -> u8;
+    /// I2C1 does something else than bytes.
+    fn i2c_condition(&mut self, _now: u64, _condition: I2cCondition) {}
+    /// I2C1 sent a byte: whether it is acknowledged.
+    fn i2c_send(&mut self, _now: u64, _byte: u8) -> bool {
+        false
+    }
+    /// I2C1 received a byte, and acknowledges it or not. Ones, where nobody sends.
+    fn i2c_receive(&mut self, _now: u64, _acknowledge: bool) -> u8 {
+        0xFF
+    }
     /// A pin that the firmware drives as an output changed its level.
     fn output(&mut self, now: u64, pin: Pin, level: bool);
     /// A PWM period begins on a pin that is switched to its timer.

@@ -2,10 +2,21 @@
 
 use super::registers::*;
 use std::collections::VecDeque;
-use windhover_hil::board::{Board, Format, Frame, Inputs, Memory, Pin, PwmPulse, Usart, Wiring};
+use windhover_hil::board::{
+    Board, Format, Frame, I2cCondition, Inputs, Memory, Pin, PwmPulse, Usart, Wiring,
+};
 use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, NEVER};
 use windhover_hil::violation::Violation;
+
+/// What went over I2C.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Talk {
+    Condition(I2cCondition),
+    Sent(u8),
+    /// And whether it was acknowledged.
+    Received(u8, bool),
+}
 
 /// Wires that record what comes out, and carry in what a test has planned.
 #[derive(Default)]
@@ -18,6 +29,12 @@ pub struct Wires {
     pub sent_as: Option<Format>,
     /// Bytes that went out over SPI, with the times of their ends.
     pub exchanged: Vec<(u64, u8)>,
+    /// What went over I2C, with the times of its end.
+    pub talk: Vec<(u64, Talk)>,
+    /// Bytes that are acknowledged on I2C.
+    pub acknowledged: Vec<u8>,
+    /// Bytes that I2C will read.
+    pub to_read: VecDeque<u8>,
     pub planned: VecDeque<(u64, Inputs)>,
 }
 
@@ -26,6 +43,18 @@ impl Wiring for Wires {
     fn spi(&mut self, now: u64, mosi: u8) -> u8 {
         self.exchanged.push((now, mosi));
         !mosi
+    }
+    fn i2c_condition(&mut self, now: u64, condition: I2cCondition) {
+        self.talk.push((now, Talk::Condition(condition)));
+    }
+    fn i2c_send(&mut self, now: u64, byte: u8) -> bool {
+        self.talk.push((now, Talk::Sent(byte)));
+        self.acknowledged.contains(&byte)
+    }
+    fn i2c_receive(&mut self, now: u64, acknowledge: bool) -> u8 {
+        let byte = self.to_read.pop_front().unwrap_or(0xFF);
+        self.talk.push((now, Talk::Received(byte, acknowledge)));
+        byte
     }
     fn output(&mut self, now: u64, pin: Pin, level: bool) {
         self.outputs.push((now, pin, level));
@@ -112,7 +141,7 @@ impl Bench {
     pub fn powered() -> Self {
         let mut bench = Self::new();
         bench.write(RCC_AHB1ENR, 0x0070_11FF);
-        bench.write(RCC_APB1ENR, 0x1006_01FF);
+        bench.write(RCC_APB1ENR, 0x1026_01FF);
         bench.write(RCC_APB2ENR, 0x0007_5033);
         bench
     }

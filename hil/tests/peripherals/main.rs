@@ -8,6 +8,8 @@ mod dma_refusals;
 mod exti;
 mod flash;
 mod gpio;
+mod i2c;
+mod i2c_lines;
 mod map;
 mod registers;
 mod reset;
