@@ -22,10 +22,11 @@ impl Chip {
         outside: &mut Outside,
     ) -> Result<u32, Violation> {
         let unit = self.reach(address, "read")?;
+        self.see_conversions(now, unit, outside)?;
         let word = self
             .read_register(now, unit, address & OFFSET)
             .map_err(|refusal| refusal.of(unit.name(), address, "read"))?;
-        if matches!(unit, Unit::Spi1 | Unit::I2c1 | Unit::Usart(_)) {
+        if matches!(unit, Unit::Spi1 | Unit::I2c1 | Unit::Adc1 | Unit::Usart(_)) {
             // Reading status and data clears flags.
             self.changed |= slot(unit);
             self.settle(now, outside)?;
@@ -42,6 +43,7 @@ impl Chip {
         outside: &mut Outside,
     ) -> Result<(), Violation> {
         let unit = self.reach(address, "write")?;
+        self.see_conversions(now, unit, outside)?;
         let refused = |refusal: super::refusal::Refusal| refusal.of(unit.name(), address, "write");
         let offset = address & OFFSET;
         let word = self.widen(now, unit, address, size, value).map_err(refused)?;
@@ -120,6 +122,7 @@ impl Chip {
             Unit::Usart(index) => self.usarts[index].read(offset),
             Unit::Spi1 => self.spi.read(offset),
             Unit::I2c1 => self.i2c.read(now, offset),
+            Unit::Adc1 => self.adc.read(offset),
             Unit::Gpio(index) => self.ports[index].read(offset),
             Unit::Dma(index) => self.dma[index].read(offset),
             Unit::Rcc => self.rcc.read(offset),
@@ -149,6 +152,7 @@ impl Chip {
             Unit::Usart(index) => self.usarts[index].write(now, offset, value),
             Unit::Spi1 => self.spi.write(now, offset, value),
             Unit::I2c1 => self.i2c.write(now, offset, value),
+            Unit::Adc1 => self.adc.write(now, offset, value),
             Unit::Gpio(index) => self.ports[index].write(offset, value),
             Unit::Dma(index) => self.dma[index].write(offset, value, outside.memory),
             Unit::Rcc => self.rcc.write(now, offset, value, backup_writable),

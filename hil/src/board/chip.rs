@@ -1,5 +1,6 @@
 //! All peripherals together, and what passes between them.
 
+use super::adc::Adc;
 use super::backup::Backup;
 use super::crc::Crc;
 use super::dma::Dma;
@@ -39,6 +40,7 @@ pub(super) struct Chip {
     pub dma: [Dma; 2],
     pub spi: Spi,
     pub i2c: I2c,
+    pub adc: Adc,
     pub usarts: [Usart; 4],
     pub timers: [Timer; 14],
     pub iwdg: Iwdg,
@@ -74,6 +76,7 @@ impl Chip {
             dma: std::array::from_fn(Dma::new),
             spi: Spi::new(),
             i2c: I2c::new(),
+            adc: Adc::new(),
             usarts: std::array::from_fn(|_| Usart::new()),
             timers: std::array::from_fn(|index| Timer::new(&TIMERS[index])),
             iwdg: Iwdg::new(),
@@ -168,6 +171,10 @@ impl Chip {
             Unit::Usart(index) => self.usarts[index] = Usart::new(),
             Unit::Spi1 => self.spi = Spi::new(),
             Unit::I2c1 => self.i2c.reset(now),
+            Unit::Adc1 => {
+                self.adc = Adc::new();
+                self.adc.set_cycle(self.rcc.clocks().apb2);
+            }
             Unit::Gpio(index) => self.ports[index].reset(index),
             Unit::Dma(index) => self.dma[index] = Dma::new(index),
             Unit::Pwr => self.pwr = Pwr::new(),
@@ -198,6 +205,7 @@ impl Chip {
         }
         self.spi.set_cycle(clocks.apb2);
         self.i2c.set_cycle(clocks.apb1);
+        self.adc.set_cycle(clocks.apb2);
     }
 
     /// Refuses clocks that the flash, the regulator or the buses cannot follow.

@@ -12,6 +12,7 @@ pub(super) enum Unit {
     Usart(usize),
     Spi1,
     I2c1,
+    Adc1,
     /// 0 is port A.
     Gpio(usize),
     /// 0 is DMA1.
@@ -61,6 +62,7 @@ pub(super) fn unit(address: u32) -> Option<Unit> {
         0x4001_0400 => Unit::Timer(7),
         0x4001_1000 => Unit::Usart(0),
         0x4001_1400 => Unit::Usart(3),
+        0x4001_2000 => Unit::Adc1,
         0x4001_3000 => Unit::Spi1,
         0x4001_3800 => Unit::Syscfg,
         0x4001_3C00 => Unit::Exti,
@@ -91,6 +93,7 @@ impl Unit {
             Self::Usart(index) => PORTS[index].name,
             Self::Spi1 => "SPI1",
             Self::I2c1 => "I2C1",
+            Self::Adc1 => "ADC1",
             Self::Gpio(index) => GPIO_NAMES[index],
             Self::Dma(index) => ["DMA1", "DMA2"][index],
             Self::Rcc => "RCC",
@@ -113,6 +116,7 @@ impl Unit {
             Self::Usart(index) => (PORTS[index].bus, PORTS[index].gate),
             Self::Spi1 => (Bus::Apb2, 12),
             Self::I2c1 => (Bus::Apb1, 21),
+            Self::Adc1 => (Bus::Apb2, 8),
             Self::Gpio(index) => (Bus::Ahb1, index as u32),
             Self::Dma(index) => (Bus::Ahb1, 21 + index as u32),
             Self::Pwr => (Bus::Apb1, 28),
@@ -137,6 +141,7 @@ impl Unit {
                 | Self::Usart(_)
                 | Self::Spi1
                 | Self::I2c1
+                | Self::Adc1
                 | Self::Pwr
                 | Self::Syscfg
                 | Self::Exti
@@ -157,6 +162,7 @@ pub(super) fn gated_units() -> impl Iterator<Item = Unit> {
             Unit::Dma(1),
             Unit::Spi1,
             Unit::I2c1,
+            Unit::Adc1,
             Unit::Pwr,
             Unit::Syscfg,
             Unit::Crc,
@@ -164,7 +170,7 @@ pub(super) fn gated_units() -> impl Iterator<Item = Unit> {
 }
 
 /// Peripherals of the part that are not modelled, for a refusal that names them.
-const UNMODELLED: [(u32, &str); 25] = [
+const UNMODELLED: [(u32, &str); 24] = [
     (0x4000_2C00, "WWDG"),
     (0x4000_3400, "I2S2ext"),
     (0x4000_3800, "SPI2"),
@@ -177,7 +183,6 @@ const UNMODELLED: [(u32, &str); 25] = [
     (0x4000_6400, "CAN1"),
     (0x4000_6800, "CAN2"),
     (0x4000_7400, "DAC"),
-    (0x4001_2000, "ADC1, ADC2, ADC3"),
     (0x4001_2C00, "SDIO"),
     (0x4002_4000, "BKPSRAM"),
     (0x4002_8000, "ETHERNET MAC"),

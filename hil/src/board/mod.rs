@@ -5,6 +5,7 @@
 //! [`Violation`], and so is what is not modelled: a firmware that runs here uses nothing else.
 
 mod access;
+mod adc;
 mod alternate;
 mod backup;
 mod chip;

@@ -5,7 +5,7 @@ use super::timer::kinds::TIMERS;
 use super::usart::PORTS;
 
 /// How many there are.
-pub(super) const SLOTS: usize = 26;
+pub(super) const SLOTS: usize = 27;
 
 /// The peripherals that have events or interrupts, each at its place in [`Chip::next_events`].
 pub(super) const UNITS: [Unit; SLOTS] = units();
@@ -29,6 +29,7 @@ const fn units() -> [Unit; SLOTS] {
     units[22] = Unit::Rcc;
     units[23] = Unit::Flash;
     units[25] = Unit::I2c1;
+    units[26] = Unit::Adc1;
     units
 }
 
@@ -49,6 +50,7 @@ fn slot_index(unit: Unit) -> Option<usize> {
         Unit::Flash => 23,
         Unit::Iwdg => 24,
         Unit::I2c1 => 25,
+        Unit::Adc1 => 26,
         _ => return None,
     })
 }

@@ -70,6 +70,10 @@ pub trait Wiring {
     fn i2c_receive(&mut self, _now: u64, _acknowledge: bool) -> u8 {
         0xFF
     }
+    /// What a conversion of an analogue pin gives, in 12 bits of the supply.
+    fn analogue(&mut self, _now: u64, _pin: Pin) -> u16 {
+        0
+    }
     /// A pin that the firmware drives as an output changed its level.
     fn output(&mut self, now: u64, pin: Pin, level: bool);
     /// A PWM period begins on a pin that is switched to its timer.

@@ -35,6 +35,8 @@ pub struct Wires {
     pub acknowledged: Vec<u8>,
     /// Bytes that I2C will read.
     pub to_read: VecDeque<u8>,
+    /// Pins that were converted, and when.
+    pub converted: Vec<(u64, Pin)>,
     pub planned: VecDeque<(u64, Inputs)>,
 }
 
@@ -55,6 +57,13 @@ impl Wiring for Wires {
         let byte = self.to_read.pop_front().unwrap_or(0xFF);
         self.talk.push((now, Talk::Received(byte, acknowledge)));
         byte
+    }
+    /// Of PC0 0x100, 0x101, and so on with each conversion; of PC1 0x200, and so on.
+    fn analogue(&mut self, now: u64, pin: Pin) -> u16 {
+        let before = self.converted.iter().filter(|(_, other)| *other == pin);
+        let counts = 0x100 * (1 + u16::from(pin.number)) + before.count() as u16;
+        self.converted.push((now, pin));
+        counts
     }
     fn output(&mut self, now: u64, pin: Pin, level: bool) {
         self.outputs.push((now, pin, level));
@@ -142,7 +151,7 @@ impl Bench {
         let mut bench = Self::new();
         bench.write(RCC_AHB1ENR, 0x0070_11FF);
         bench.write(RCC_APB1ENR, 0x1026_01FF);
-        bench.write(RCC_APB2ENR, 0x0007_5033);
+        bench.write(RCC_APB2ENR, 0x0007_5133);
         bench
     }
 

@@ -1,6 +1,7 @@
 //! What the reference manual (RM0090) states of each peripheral, one test a statement, on the bus
 //! without a processor. Each test names the section that states it.
 
+mod adc;
 mod bench;
 mod clocks;
 mod dma;

@@ -80,6 +80,13 @@ impl Stream {
         self.control & EN != 0
     }
 
+    /// Items before the one that sets HTIF or TCIF.
+    pub(super) fn silent_items(&self) -> u32 {
+        let half = self.total / 2;
+        let flagged = if self.left > half { half } else { 0 };
+        self.left.saturating_sub(flagged + 1)
+    }
+
     /// Whether its request line is high.
     pub(super) fn interrupt(&self) -> bool {
         [(TEIE, 1 << 3), (HTIE, HTIF), (TCIE, TCIF)]
