@@ -109,7 +109,7 @@ impl Chip {
         std::mem::swap(&mut fresh.flash, &mut self.flash);
         std::mem::swap(&mut fresh.ports, &mut self.ports);
         fresh.rcc.reset(cause);
-        fresh.flash.reset();
+        fresh.flash.reset(now);
         for (index, port) in fresh.ports.iter_mut().enumerate() {
             port.reset(index);
         }

@@ -22,6 +22,7 @@ mod iwdg;
 pub mod line;
 mod map;
 mod pins;
+mod power_cut;
 mod pwr;
 mod rcc;
 mod refusal;
@@ -83,6 +84,18 @@ impl<W: Wiring> Board<W> {
         self.chip.brown_out_level()
     }
 
+    /// Operations of the flash that have begun so far: programmed units and erasures.
+    pub fn flash_operations(&self) -> u64 {
+        self.chip.flash.power.operations()
+    }
+
+    /// Power fails in the middle of this operation of the flash, of those that
+    /// [`Self::flash_operations`] counts: 0 is the first. The run stops there. What was going on is
+    /// left half done, once the board is reset with the cause that power came on.
+    pub fn cut_power_at(&mut self, operation: u64) {
+        self.chip.flash.power.set(operation);
+    }
+
     fn split<'a>(&'a mut self, memory: &'a mut dyn Memory) -> (&'a mut Chip, Outside<'a>) {
         let wiring = &mut self.wiring;
         (&mut self.chip, Outside { wiring, memory })
@@ -138,6 +151,10 @@ impl<W: Wiring> Bus for Board<W> {
 
     fn take_reset(&mut self) -> Option<ResetCause> {
         self.chip.take_reset()
+    }
+
+    fn take_power_failure(&mut self) -> bool {
+        self.chip.flash.power.take_failed()
     }
 
     fn store_to_flash(

@@ -12,6 +12,7 @@ mod gpio;
 mod i2c;
 mod i2c_lines;
 mod map;
+mod power_cut;
 mod registers;
 mod reset;
 mod serial;
