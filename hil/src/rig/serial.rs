@@ -67,9 +67,9 @@ impl Port {
         }
     }
 
-    /// Whether nothing is on its way to the board.
-    pub fn is_quiet(&self) -> bool {
-        self.queue.is_empty()
+    /// Bytes on their way to the board.
+    pub fn queued(&self) -> usize {
+        self.queue.len()
     }
 
     /// When the next byte will have arrived at the board, or been heard from it.
