@@ -2,6 +2,8 @@
 
 use windhover_model::Vehicle;
 
+use crate::board::{Frame, Pin, PwmPulse, Wiring};
+
 use super::*;
 
 const MS: u64 = SECOND / 1000;
