@@ -163,7 +163,7 @@ impl Dma {
             return misuse("its registers are written while it is enabled");
         }
         match register {
-            NDTR => stream.left = value & 0xFFFF,
+            NDTR => stream.write_count(value),
             PAR => stream.peripheral = value,
             M0AR => stream.memories[0] = value,
             M1AR => stream.memories[1] = value,
