@@ -95,6 +95,18 @@ fn an_address_without_a_look_at_sb_is_refused() {
     assert_says(&bench.refused(I2C_DR, WRITE.into()), "before SR1 was read");
 }
 
+// 27.6.6: what is read between does not matter
+#[test]
+fn a_look_at_sr2_leaves_sb_as_it_was_seen() {
+    let mut bench = connected();
+    bench.write(I2C_CR1, PE | START);
+    bench.wait(BIT);
+    bench.read(I2C_SR1);
+    assert_eq!(bench.read(I2C_SR2), MSL | BUSY);
+    bench.write(I2C_DR, WRITE.into());
+    assert_eq!(bench.read(I2C_SR1) & SB, 0);
+}
+
 // 27.3.3: slave address transmission
 #[test]
 fn an_address_takes_nine_clocks_and_sets_addr() {

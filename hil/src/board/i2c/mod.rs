@@ -169,7 +169,7 @@ impl I2c {
             }
             SR2 => {
                 let bus = self.bus;
-                if std::mem::take(&mut self.status_read) {
+                if self.status_read {
                     self.address_seen(now);
                 }
                 bus
