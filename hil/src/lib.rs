@@ -3,6 +3,7 @@
 //! - [`time`]: virtual time, in which everything here is measured.
 //! - [`board`]: the microcontroller's peripherals and what hangs on its pins.
 //! - [`machine`]: the processor, which runs the program.
+//! - [`parts`]: what is wired to the pins, after the data sheets.
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
 //! - [`figures`]: what is measured of it.
@@ -19,6 +20,7 @@ pub mod figures;
 pub mod flight;
 pub mod log;
 pub mod machine;
+pub mod parts;
 pub mod rig;
 pub mod rtt;
 pub mod time;

@@ -84,16 +84,9 @@ impl EarthField {
     }
 }
 
-/// Sensors in the loop: from the truth to the core's queues.
-#[derive(Clone, Debug)]
-pub struct Sensing {
-    suite: SensorSuite,
-    remote: bool,
-}
-
-impl Sensing {
-    /// The sensors of `vehicle` at `home` that `seed` draws.
-    pub fn new(sensors: &Sensors, vehicle: &Vehicle, home: GlobalPosition, imu_rate: u32, seed: u64) -> Self {
+impl Sensors {
+    /// The sensors of `vehicle` at `home` that `seed` draws, with sticks at rest.
+    pub fn suite(&self, vehicle: &Vehicle, home: GlobalPosition, imu_rate: u32, seed: u64) -> SensorSuite {
         let mut fitting = Fitting {
             site: GnssSite {
                 home,
@@ -108,11 +101,11 @@ impl Sensing {
         if let Some(earth) = EarthField::at(home) {
             fitting.field = earth.field;
         }
-        if let Some(charge) = sensors.charge {
+        if let Some(charge) = self.charge {
             fitting.pack.charge = charge;
         }
         let reference = SensorErrors {
-            gnss: match sensors.receiver {
+            gnss: match self.receiver {
                 Receiver::Standard => GnssErrors::standard(),
                 Receiver::Rtk => GnssErrors::rtk(),
             },
@@ -120,13 +113,27 @@ impl Sensing {
         };
         let mut suite = SensorSuite::new(
             &fitting,
-            sensors.errors.as_ref().unwrap_or(&reference),
-            &sensors.faults,
+            self.errors.as_ref().unwrap_or(&reference),
+            &self.faults,
             seed,
         );
         suite.set_sticks(RESTING);
+        suite
+    }
+}
+
+/// Sensors in the loop: from the truth to the core's queues.
+#[derive(Clone, Debug)]
+pub struct Sensing {
+    suite: SensorSuite,
+    remote: bool,
+}
+
+impl Sensing {
+    /// The sensors of `vehicle` at `home` that `seed` draws.
+    pub fn new(sensors: &Sensors, vehicle: &Vehicle, home: GlobalPosition, imu_rate: u32, seed: u64) -> Self {
         Self {
-            suite,
+            suite: sensors.suite(vehicle, home, imu_rate, seed),
             remote: sensors.remote,
         }
     }

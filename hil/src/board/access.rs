@@ -22,10 +22,11 @@ impl Chip {
         outside: &mut Outside,
     ) -> Result<u32, Violation> {
         let unit = self.reach(address, "read")?;
+        self.see_conversions(now, unit, outside)?;
         let word = self
             .read_register(now, unit, address & OFFSET)
             .map_err(|refusal| refusal.of(unit.name(), address, "read"))?;
-        if matches!(unit, Unit::Spi1 | Unit::Usart(_)) {
+        if matches!(unit, Unit::Spi1 | Unit::I2c1 | Unit::Adc1 | Unit::Usart(_)) {
             // Reading status and data clears flags.
             self.changed |= slot(unit);
             self.settle(now, outside)?;
@@ -42,6 +43,7 @@ impl Chip {
         outside: &mut Outside,
     ) -> Result<(), Violation> {
         let unit = self.reach(address, "write")?;
+        self.see_conversions(now, unit, outside)?;
         let refused = |refusal: super::refusal::Refusal| refusal.of(unit.name(), address, "write");
         let offset = address & OFFSET;
         let word = self.widen(now, unit, address, size, value).map_err(refused)?;
@@ -53,12 +55,13 @@ impl Chip {
             .map_err(refused)?;
         self.changed |= slot(unit);
         match unit {
-            Unit::Gpio(port) => self.port_written(now, port, outside.wiring),
+            Unit::Gpio(port) => self.port_written(now, port, outside.wiring)?,
             Unit::Syscfg => self.note_pins(),
             Unit::Flash | Unit::Pwr => self.check_clocks()?,
             Unit::Timer(timer) => self.show_pwm(now, timer, outside.wiring)?,
             Unit::Usart(port) => self.check_serial_pins(port, enabled_before)?,
             Unit::Spi1 => self.check_spi_pins()?,
+            Unit::I2c1 => self.i2c_written(now, outside.wiring)?,
             Unit::Iwdg if self.iwdg.running() => {
                 self.rcc.start_lsi(now);
                 self.changed |= slot(Unit::Rcc);
@@ -118,6 +121,8 @@ impl Chip {
             Unit::Timer(index) => self.timers[index].read(now, offset),
             Unit::Usart(index) => self.usarts[index].read(offset),
             Unit::Spi1 => self.spi.read(offset),
+            Unit::I2c1 => self.i2c.read(now, offset),
+            Unit::Adc1 => self.adc.read(offset),
             Unit::Gpio(index) => self.ports[index].read(offset),
             Unit::Dma(index) => self.dma[index].read(offset),
             Unit::Rcc => self.rcc.read(offset),
@@ -146,6 +151,8 @@ impl Chip {
             Unit::Timer(index) => self.timers[index].write(now, offset, value),
             Unit::Usart(index) => self.usarts[index].write(now, offset, value),
             Unit::Spi1 => self.spi.write(now, offset, value),
+            Unit::I2c1 => self.i2c.write(now, offset, value),
+            Unit::Adc1 => self.adc.write(now, offset, value),
             Unit::Gpio(index) => self.ports[index].write(offset, value),
             Unit::Dma(index) => self.dma[index].write(offset, value, outside.memory),
             Unit::Rcc => self.rcc.write(now, offset, value, backup_writable),
@@ -179,7 +186,8 @@ impl Chip {
                 .filter(|unit| unit.gate().is_some_and(|gate| self.rcc.held_in_reset(gate)))
                 .collect::<Vec<_>>()
                 .into_iter()
-                .for_each(|unit| self.reset_unit(unit));
+                .for_each(|unit| self.reset_unit(now, unit));
+            self.tell_released(now, outside.wiring);
         }
         if before != state(&self.rcc) {
             self.clocks_changed(now, outside)?;
@@ -196,6 +204,7 @@ impl Chip {
         }
         self.route_outputs(now, outside.wiring);
         self.note_pins();
+        self.note_i2c_lines(now)?;
         for timer in 0..self.timers.len() {
             self.show_pwm(now, timer, outside.wiring)?;
         }

@@ -9,6 +9,8 @@ pub(super) enum Signal {
     SpiClock,
     SpiMiso,
     SpiMosi,
+    I2cClock,
+    I2cData,
     /// Index of the port.
     UsartTransmit(u8),
     /// Index of the port.
@@ -18,7 +20,9 @@ pub(super) enum Signal {
     /// The complementary output of a channel.
     Complement(u8, u8),
 }
-use Signal::{Channel, Complement, SpiClock, SpiMiso, SpiMosi, UsartReceive, UsartTransmit};
+use Signal::{
+    Channel, Complement, I2cClock, I2cData, SpiClock, SpiMiso, SpiMosi, UsartReceive, UsartTransmit,
+};
 
 /// A pin, the alternate function to switch it to, and the signal that it then carries.
 pub(super) struct Route {
@@ -36,13 +40,17 @@ const fn route(port: char, number: u8, function: u8, signal: Signal) -> Route {
 }
 
 /// Every route of the signals that are modelled.
-pub(super) const ROUTES: [Route; 73] = [
+pub(super) const ROUTES: [Route; 77] = [
     route('A', 5, 5, SpiClock),
     route('B', 3, 5, SpiClock),
     route('A', 6, 5, SpiMiso),
     route('B', 4, 5, SpiMiso),
     route('A', 7, 5, SpiMosi),
     route('B', 5, 5, SpiMosi),
+    route('B', 6, 4, I2cClock),
+    route('B', 8, 4, I2cClock),
+    route('B', 7, 4, I2cData),
+    route('B', 9, 4, I2cData),
     route('A', 10, 7, UsartReceive(0)),
     route('B', 7, 7, UsartReceive(0)),
     route('A', 9, 7, UsartTransmit(0)),
@@ -115,6 +123,14 @@ pub(super) const ROUTES: [Route; 73] = [
 /// Whether a pin is switched to this route.
 pub(super) fn connected(ports: &[Port; 9], route: &Route) -> bool {
     ports[usize::from(route.pin.port)].alternate_function(route.pin.number) == Some(route.function)
+}
+
+/// The pin that carries a signal.
+pub(super) fn carrier(ports: &[Port; 9], signal: Signal) -> Option<Pin> {
+    let mut routes = ROUTES.iter().filter(|route| route.signal == signal);
+    routes
+        .find(|route| connected(ports, route))
+        .map(|route| route.pin)
 }
 
 /// Nothing if a pin carries the signal; otherwise which pins could, and how.

@@ -1,11 +1,13 @@
 //! All peripherals together, and what passes between them.
 
+use super::adc::Adc;
 use super::backup::Backup;
 use super::crc::Crc;
 use super::dma::Dma;
 use super::exti::Exti;
 use super::flash::Flash;
 use super::gpio::Port;
+use super::i2c::I2c;
 use super::identity::Debug;
 use super::iwdg::Iwdg;
 use super::map::{Bus, Unit};
@@ -37,6 +39,8 @@ pub(super) struct Chip {
     pub exti: Exti,
     pub dma: [Dma; 2],
     pub spi: Spi,
+    pub i2c: I2c,
+    pub adc: Adc,
     pub usarts: [Usart; 4],
     pub timers: [Timer; 14],
     pub iwdg: Iwdg,
@@ -71,6 +75,8 @@ impl Chip {
             exti: Exti::new(),
             dma: std::array::from_fn(Dma::new),
             spi: Spi::new(),
+            i2c: I2c::new(),
+            adc: Adc::new(),
             usarts: std::array::from_fn(|_| Usart::new()),
             timers: std::array::from_fn(|index| Timer::new(&TIMERS[index])),
             iwdg: Iwdg::new(),
@@ -96,12 +102,14 @@ impl Chip {
 
     pub(super) fn reset(&mut self, now: u64, cause: ResetCause, wiring: &mut dyn Wiring) {
         self.stop_all_pwm(now, wiring);
+        self.i2c.reset(now);
+        self.tell_released(now, wiring);
         let mut fresh = Self::new();
         std::mem::swap(&mut fresh.rcc, &mut self.rcc);
         std::mem::swap(&mut fresh.flash, &mut self.flash);
         std::mem::swap(&mut fresh.ports, &mut self.ports);
         fresh.rcc.reset(cause);
-        fresh.flash.reset();
+        fresh.flash.reset(now);
         for (index, port) in fresh.ports.iter_mut().enumerate() {
             port.reset(index);
         }
@@ -157,11 +165,16 @@ impl Chip {
     }
 
     /// Puts a peripheral back to its reset values, as its bit in RCC does.
-    pub(super) fn reset_unit(&mut self, unit: Unit) {
+    pub(super) fn reset_unit(&mut self, now: u64, unit: Unit) {
         match unit {
             Unit::Timer(index) => self.timers[index] = Timer::new(&TIMERS[index]),
             Unit::Usart(index) => self.usarts[index] = Usart::new(),
             Unit::Spi1 => self.spi = Spi::new(),
+            Unit::I2c1 => self.i2c.reset(now),
+            Unit::Adc1 => {
+                self.adc = Adc::new();
+                self.adc.set_cycle(self.rcc.clocks().apb2);
+            }
             Unit::Gpio(index) => self.ports[index].reset(index),
             Unit::Dma(index) => self.dma[index] = Dma::new(index),
             Unit::Pwr => self.pwr = Pwr::new(),
@@ -191,6 +204,8 @@ impl Chip {
             });
         }
         self.spi.set_cycle(clocks.apb2);
+        self.i2c.set_cycle(clocks.apb1);
+        self.adc.set_cycle(clocks.apb2);
     }
 
     /// Refuses clocks that the flash, the regulator or the buses cannot follow.

@@ -3,7 +3,7 @@
 use super::chip::{Chip, Outside};
 use super::dma::requests::Request;
 use super::map::Unit;
-use super::refusal::Answer;
+use super::refusal::{Answer, misuse};
 use super::slots::{SLOTS, UNITS, slot};
 use super::usart::PORTS;
 use super::{Inputs, ResetCause};
@@ -22,7 +22,7 @@ impl Chip {
         if outside.wiring.next_event() <= now {
             let mut inputs = std::mem::take(&mut self.inputs);
             outside.wiring.advance(now, &mut inputs);
-            self.take_inputs(now, &inputs);
+            self.take_inputs(now, &inputs)?;
             let Inputs { levels, received } = &mut inputs;
             levels.clear();
             received.clear();
@@ -38,11 +38,16 @@ impl Chip {
                 self.show_pwm(now, index, outside.wiring)?;
             }
             Unit::Usart(index) => {
-                if let Some(byte) = self.usarts[index].advance(now) {
-                    outside.wiring.transmitted(now, PORTS[index].number, byte);
+                if let Some(frame) = self.usarts[index].advance(now) {
+                    outside.wiring.transmitted(now, PORTS[index].number, frame);
                 }
             }
             Unit::Spi1 => self.spi.advance(now, |byte| outside.wiring.spi(now, byte)),
+            Unit::I2c1 => self
+                .i2c
+                .advance(now, outside.wiring)
+                .map_err(|refusal| refusal.during(unit.name()))?,
+            Unit::Adc1 => self.convert(now, outside)?,
             Unit::Rcc => {
                 let before = self.rcc.clocks();
                 self.rcc
@@ -61,8 +66,49 @@ impl Chip {
         Ok(())
     }
 
+    /// Conversions of which the processor can learn by an access to this peripheral are done.
+    pub(super) fn see_conversions(
+        &mut self,
+        now: u64,
+        unit: Unit,
+        outside: &mut Outside,
+    ) -> Result<(), Violation> {
+        if matches!(unit, Unit::Adc1 | Unit::Dma(1)) && self.adc.done(now).is_some() {
+            self.convert(now, outside)?;
+            self.note_changes();
+        }
+        Ok(())
+    }
+
+    /// Conversions that are done by now, each with what DMA makes of it.
+    fn convert(&mut self, now: u64, outside: &mut Outside) -> Result<(), Violation> {
+        while let Some((time, channel)) = self.adc.done(now) {
+            let refused = |what| Violation::Misuse {
+                peripheral: Unit::Adc1.name(),
+                what,
+            };
+            let Some(pin) = super::adc::pin(channel) else {
+                return Err(refused(format!("channel {channel} is not modelled")));
+            };
+            if !self.ports[usize::from(pin.port)].is_analogue(pin.number) {
+                return Err(refused(format!("{pin} is converted and is not analogue")));
+            }
+            let counts = outside.wiring.analogue(time, pin);
+            self.adc.finish(counts);
+            self.changed |= slot(Unit::Adc1);
+            self.serve_dma(now, outside)?;
+        }
+        Ok(())
+    }
+
     /// After any change: serves DMA, then notes events and interrupts anew.
     pub(super) fn settle(&mut self, now: u64, outside: &mut Outside) -> Result<(), Violation> {
+        self.serve_dma(now, outside)?;
+        self.note_changes();
+        Ok(())
+    }
+
+    fn serve_dma(&mut self, now: u64, outside: &mut Outside) -> Result<(), Violation> {
         loop {
             let mut served = false;
             for index in 0..self.dma.len() {
@@ -73,17 +119,16 @@ impl Chip {
                 }
             }
             if !served {
-                break;
+                return Ok(());
             }
         }
-        self.note_changes();
-        Ok(())
     }
 
     fn is_high(&self, request: Request) -> bool {
         match request {
             Request::SpiReceive => self.spi.offers_byte(),
             Request::SpiTransmit => self.spi.requests_byte(),
+            Request::Adc => self.adc.offers(),
             Request::UsartReceive(port) => self.usarts[usize::from(port)].offers_byte(),
             Request::UsartTransmit(port) => self.usarts[usize::from(port)].requests_byte(),
             Request::Timer(timer, event) => self.timers[usize::from(timer)].requests_dma(event),
@@ -118,6 +163,10 @@ impl Chip {
                 self.changed |= slot(Unit::Spi1);
                 self.check_spi_pins()
             }
+            Request::Adc => {
+                self.changed |= slot(Unit::Adc1);
+                Ok(())
+            }
             Request::UsartReceive(port) | Request::UsartTransmit(port) => {
                 self.changed |= slot(Unit::Usart(usize::from(port)));
                 Ok(())
@@ -134,6 +183,7 @@ impl Chip {
     fn write_for(&mut self, now: u64, request: Request, address: u32, value: u32) -> Answer<()> {
         match request {
             Request::SpiReceive | Request::SpiTransmit => self.spi.write_data(now, value),
+            Request::Adc => misuse("ADC1's DR can only be read"),
             Request::UsartReceive(port) | Request::UsartTransmit(port) => {
                 self.usarts[usize::from(port)].write_data(now, value)
             }
@@ -144,6 +194,7 @@ impl Chip {
     fn read_for(&mut self, now: u64, request: Request, address: u32) -> Answer<u32> {
         match request {
             Request::SpiReceive | Request::SpiTransmit => Ok(self.spi.read_data()),
+            Request::Adc => Ok(self.adc.read_data()),
             Request::UsartReceive(port) | Request::UsartTransmit(port) => {
                 Ok(self.usarts[usize::from(port)].read_data())
             }
@@ -155,6 +206,10 @@ impl Chip {
     pub(super) fn note_changes(&mut self) {
         if self.changed == 0 {
             return;
+        }
+        if self.changed & slot(Unit::Dma(1)) != 0 {
+            // When a conversion matters depends on its stream.
+            self.changed |= slot(Unit::Adc1);
         }
         let mut changed = std::mem::take(&mut self.changed) & ((1 << SLOTS) - 1);
         while changed != 0 {
@@ -185,6 +240,21 @@ impl Chip {
                 self.spi.next_event(),
                 line(self.spi.interrupt(), super::spi::INTERRUPT),
             ),
+            Unit::I2c1 => {
+                let [event, error] = self.i2c.interrupts();
+                let [event_line, error_line] = super::i2c::INTERRUPTS;
+                (
+                    self.i2c.next_event(),
+                    line(event, event_line) | line(error, error_line),
+                )
+            }
+            Unit::Adc1 => {
+                let silent = self.dma[1].silent_items(Request::Adc);
+                (
+                    self.adc.next_event(silent),
+                    line(self.adc.interrupt(), super::adc::INTERRUPT),
+                )
+            }
             Unit::Dma(index) => (NEVER, self.dma[index].interrupts()),
             Unit::Exti => (NEVER, self.exti.interrupts()),
             Unit::Rcc => (

@@ -4,6 +4,7 @@
 
 use super::Memory;
 use super::flash_options::Options;
+use super::power_cut::PowerCut;
 use super::refusal::{Answer, Refusal, misuse};
 use crate::time::{MICROSECOND, NEVER};
 
@@ -72,6 +73,8 @@ const OPTION_TIME: u64 = 250 * MILLISECOND;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Operation {
     EraseSector(usize),
+    /// A reset came during an erasure.
+    AbandonErasure(usize),
     Program,
     ProgramOptions,
 }
@@ -88,6 +91,7 @@ pub(super) struct Flash {
     operation: Option<Operation>,
     /// When the operation will be done, or was.
     done: u64,
+    pub power: PowerCut,
 }
 
 impl Flash {
@@ -100,14 +104,25 @@ impl Flash {
             options: Options::new(),
             operation: None,
             done: 0,
+            power: PowerCut::new(),
         }
     }
 
-    /// A reset aborts what was going on. Option bytes keep what was programmed.
-    pub(super) fn reset(&mut self) {
+    /// A reset aborts what was going on: a sector is left half erased. Option bytes keep what was
+    /// programmed.
+    pub(super) fn reset(&mut self, now: u64) {
         let options = self.options.after_reset();
+        let operation = match self.operation {
+            Some(Operation::EraseSector(sector) | Operation::AbandonErasure(sector)) => {
+                Some(Operation::AbandonErasure(sector))
+            }
+            _ => None,
+        };
         *self = Self {
             options,
+            operation,
+            done: now,
+            power: std::mem::replace(&mut self.power, PowerCut::new()),
             ..Self::new()
         };
     }
@@ -126,11 +141,12 @@ impl Flash {
     }
 
     pub(super) fn next_event(&self) -> u64 {
-        if self.operation.is_some() {
+        let done = if self.operation.is_some() {
             self.done
         } else {
             NEVER
-        }
+        };
+        done.min(self.power.next_event())
     }
 
     pub(super) fn interrupt(&self) -> bool {
@@ -140,12 +156,18 @@ impl Flash {
 
     /// Finishes what is due.
     pub(super) fn advance(&mut self, now: u64, memory: &mut dyn Memory) {
+        self.power.advance(now);
         if self.done > now {
             return;
         }
         match self.operation.take() {
             None => return,
             Some(Operation::EraseSector(sector)) => erase(sector, memory),
+            Some(Operation::AbandonErasure(sector)) => {
+                return self
+                    .power
+                    .erase_partly(SECTORS[sector]..SECTORS[sector + 1], memory);
+            }
             Some(Operation::Program) => {}
             Some(Operation::ProgramOptions) => self.options.finish(),
         }
@@ -240,6 +262,7 @@ impl Flash {
             .map_or(0, |(_, times)| times[parallelism]);
         self.control |= CR_STRT;
         self.start(now, Operation::EraseSector(sector), time);
+        self.power.begin(self.done - time, time);
         Ok(())
     }
 
@@ -284,7 +307,12 @@ impl Flash {
         let mut old = [0; 4];
         memory.read(address, &mut old[..size as usize]);
         self.start(now, Operation::Program, PROGRAM_TIME);
-        Ok(u32::from_le_bytes(old) & value)
+        let old = u32::from_le_bytes(old);
+        Ok(if self.power.begin(self.done - PROGRAM_TIME, PROGRAM_TIME) {
+            self.power.half_programmed(old, value)
+        } else {
+            old & value
+        })
     }
 }
 

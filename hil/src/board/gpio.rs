@@ -108,6 +108,16 @@ impl Port {
         Some((self.alternate[pin as usize / 8] >> (4 * (pin % 8)) & 0xF) as u8)
     }
 
+    /// Whether a pin drives only low, where it drives.
+    pub(super) fn is_open_drain(&self, pin: u8) -> bool {
+        self.output_type & (1 << pin) != 0
+    }
+
+    /// Whether a pin is analogue.
+    pub(super) fn is_analogue(&self, pin: u8) -> bool {
+        self.analogs & (1 << pin) != 0
+    }
+
     /// The levels of the pins, as IDR shows them. A pin that nothing drives or pulls is low.
     pub(super) fn levels(&self) -> u16 {
         let (output, open_drain) = (self.output as u16, self.output_type as u16);

@@ -11,6 +11,8 @@ pub(super) enum Unit {
     /// Index in [`PORTS`].
     Usart(usize),
     Spi1,
+    I2c1,
+    Adc1,
     /// 0 is port A.
     Gpio(usize),
     /// 0 is DMA1.
@@ -54,11 +56,13 @@ pub(super) fn unit(address: u32) -> Option<Unit> {
         0x4000_3000 => Unit::Iwdg,
         0x4000_4400 => Unit::Usart(1),
         0x4000_4800 => Unit::Usart(2),
+        0x4000_5400 => Unit::I2c1,
         0x4000_7000 => Unit::Pwr,
         0x4001_0000 => Unit::Timer(0),
         0x4001_0400 => Unit::Timer(7),
         0x4001_1000 => Unit::Usart(0),
         0x4001_1400 => Unit::Usart(3),
+        0x4001_2000 => Unit::Adc1,
         0x4001_3000 => Unit::Spi1,
         0x4001_3800 => Unit::Syscfg,
         0x4001_3C00 => Unit::Exti,
@@ -88,6 +92,8 @@ impl Unit {
             Self::Timer(index) => TIMERS[index].name,
             Self::Usart(index) => PORTS[index].name,
             Self::Spi1 => "SPI1",
+            Self::I2c1 => "I2C1",
+            Self::Adc1 => "ADC1",
             Self::Gpio(index) => GPIO_NAMES[index],
             Self::Dma(index) => ["DMA1", "DMA2"][index],
             Self::Rcc => "RCC",
@@ -109,6 +115,8 @@ impl Unit {
             Self::Timer(index) => (TIMERS[index].bus, TIMERS[index].gate),
             Self::Usart(index) => (PORTS[index].bus, PORTS[index].gate),
             Self::Spi1 => (Bus::Apb2, 12),
+            Self::I2c1 => (Bus::Apb1, 21),
+            Self::Adc1 => (Bus::Apb2, 8),
             Self::Gpio(index) => (Bus::Ahb1, index as u32),
             Self::Dma(index) => (Bus::Ahb1, 21 + index as u32),
             Self::Pwr => (Bus::Apb1, 28),
@@ -132,6 +140,8 @@ impl Unit {
             Self::Timer(_)
                 | Self::Usart(_)
                 | Self::Spi1
+                | Self::I2c1
+                | Self::Adc1
                 | Self::Pwr
                 | Self::Syscfg
                 | Self::Exti
@@ -151,6 +161,8 @@ pub(super) fn gated_units() -> impl Iterator<Item = Unit> {
             Unit::Dma(0),
             Unit::Dma(1),
             Unit::Spi1,
+            Unit::I2c1,
+            Unit::Adc1,
             Unit::Pwr,
             Unit::Syscfg,
             Unit::Crc,
@@ -158,7 +170,7 @@ pub(super) fn gated_units() -> impl Iterator<Item = Unit> {
 }
 
 /// Peripherals of the part that are not modelled, for a refusal that names them.
-const UNMODELLED: [(u32, &str); 26] = [
+const UNMODELLED: [(u32, &str); 24] = [
     (0x4000_2C00, "WWDG"),
     (0x4000_3400, "I2S2ext"),
     (0x4000_3800, "SPI2"),
@@ -166,13 +178,11 @@ const UNMODELLED: [(u32, &str); 26] = [
     (0x4000_4000, "I2S3ext"),
     (0x4000_4C00, "UART4"),
     (0x4000_5000, "UART5"),
-    (0x4000_5400, "I2C1"),
     (0x4000_5800, "I2C2"),
     (0x4000_5C00, "I2C3"),
     (0x4000_6400, "CAN1"),
     (0x4000_6800, "CAN2"),
     (0x4000_7400, "DAC"),
-    (0x4001_2000, "ADC1, ADC2, ADC3"),
     (0x4001_2C00, "SDIO"),
     (0x4002_4000, "BKPSRAM"),
     (0x4002_8000, "ETHERNET MAC"),

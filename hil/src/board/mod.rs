@@ -5,6 +5,7 @@
 //! [`Violation`], and so is what is not modelled: a firmware that runs here uses nothing else.
 
 mod access;
+mod adc;
 mod alternate;
 mod backup;
 mod chip;
@@ -15,10 +16,13 @@ mod exti;
 mod flash;
 mod flash_options;
 mod gpio;
+mod i2c;
 mod identity;
 mod iwdg;
+pub mod line;
 mod map;
 mod pins;
+mod power_cut;
 mod pwr;
 mod rcc;
 mod refusal;
@@ -32,7 +36,8 @@ pub mod wiring;
 use crate::machine::Bus;
 use crate::violation::Violation;
 use chip::{Chip, Outside};
-pub use wiring::{Inputs, Pin, PwmPulse, Usart, Wiring};
+pub use line::{Format, Frame};
+pub use wiring::{I2cCondition, Inputs, Pin, PwmPulse, Usart, Wiring};
 
 /// The processor's memory, as the DMA controllers reach it.
 pub trait Memory {
@@ -77,6 +82,18 @@ impl<W: Wiring> Board<W> {
     /// off.
     pub fn brown_out_level(&self) -> u32 {
         self.chip.brown_out_level()
+    }
+
+    /// Operations of the flash that have begun so far: programmed units and erasures.
+    pub fn flash_operations(&self) -> u64 {
+        self.chip.flash.power.operations()
+    }
+
+    /// Power fails in the middle of this operation of the flash, of those that
+    /// [`Self::flash_operations`] counts: 0 is the first. The run stops there. What was going on is
+    /// left half done, once the board is reset with the cause that power came on.
+    pub fn cut_power_at(&mut self, operation: u64) {
+        self.chip.flash.power.set(operation);
     }
 
     fn split<'a>(&'a mut self, memory: &'a mut dyn Memory) -> (&'a mut Chip, Outside<'a>) {
@@ -134,6 +151,10 @@ impl<W: Wiring> Bus for Board<W> {
 
     fn take_reset(&mut self) -> Option<ResetCause> {
         self.chip.take_reset()
+    }
+
+    fn take_power_failure(&mut self) -> bool {
+        self.chip.flash.power.take_failed()
     }
 
     fn store_to_flash(

@@ -6,7 +6,7 @@ use super::chip::Chip;
 use super::map::Unit;
 use super::slots::slot;
 use super::usart::PORTS;
-use super::wiring::{Inputs, Pin, Wiring};
+use super::wiring::{I2cCondition, Inputs, Pin, Wiring};
 use crate::violation::Violation;
 
 /// What a byte on SPI goes over.
@@ -29,12 +29,18 @@ pub(super) struct Output {
 
 impl Chip {
     /// A port's registers were written: the wiring and EXTI see what changed.
-    pub(super) fn port_written(&mut self, now: u64, port: usize, wiring: &mut dyn Wiring) {
+    pub(super) fn port_written(
+        &mut self,
+        now: u64,
+        port: usize,
+        wiring: &mut dyn Wiring,
+    ) -> Result<(), Violation> {
         self.tell_outputs(now, port, wiring);
         self.port_levels_changed(port);
         if self.ports[port].take_switched() {
             self.route_outputs(now, wiring);
         }
+        self.note_i2c_lines(now)
     }
 
     pub(super) fn tell_outputs(&mut self, now: u64, port: usize, wiring: &mut dyn Wiring) {
@@ -51,19 +57,23 @@ impl Chip {
     }
 
     /// What the outside did arrives.
-    pub(super) fn take_inputs(&mut self, now: u64, inputs: &Inputs) {
+    pub(super) fn take_inputs(&mut self, now: u64, inputs: &Inputs) -> Result<(), Violation> {
         for (pin, level) in &inputs.levels {
             let port = usize::from(pin.port);
             self.ports[port].drive(pin.number, *level);
             self.port_levels_changed(port);
         }
-        for (name, byte) in &inputs.received {
+        for (name, frame) in &inputs.received {
             let Some(index) = PORTS.iter().position(|port| port.number == *name) else {
                 continue;
             };
-            self.usarts[index].receive(now, *byte);
+            self.usarts[index].receive(now, *frame);
             self.changed |= slot(Unit::Usart(index));
         }
+        if inputs.levels.is_empty() {
+            return Ok(());
+        }
+        self.note_i2c_lines(now)
     }
 
     fn port_levels_changed(&mut self, port: usize) {
@@ -214,6 +224,47 @@ impl Chip {
         }
         self.spi_connected = true;
         Ok(())
+    }
+
+    /// I2C's lines as its pins show them: high, where no pin is switched to it.
+    pub(super) fn note_i2c_lines(&mut self, now: u64) -> Result<(), Violation> {
+        let lines = [Signal::I2cClock, Signal::I2cData].map(|signal| {
+            alternate::carrier(&self.ports, signal).is_none_or(|pin| {
+                let levels = self.levels[usize::from(pin.port)];
+                levels & (1 << pin.number) != 0
+            })
+        });
+        self.changed |= slot(Unit::I2c1);
+        self.i2c
+            .set_lines(now, lines)
+            .map_err(|refusal| refusal.during(Unit::I2c1.name()))
+    }
+
+    /// Its registers were written: what starts needs both pins, which drive only low.
+    pub(super) fn i2c_written(&mut self, now: u64, wiring: &mut dyn Wiring) -> Result<(), Violation> {
+        self.tell_released(now, wiring);
+        if !self.i2c.starts() {
+            return Ok(());
+        }
+        for (name, signal) in [("SCL", Signal::I2cClock), ("SDA", Signal::I2cData)] {
+            self.check_pin(Unit::I2c1, name, signal)?;
+            let pin = alternate::carrier(&self.ports, signal);
+            if let Some(pin) = pin.filter(|pin| !self.ports[usize::from(pin.port)].is_open_drain(pin.number))
+            {
+                return Err(Violation::Misuse {
+                    peripheral: Unit::I2c1.name(),
+                    what: format!("{pin} carries {name} and is not open-drain"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// I2C let go of the bus.
+    pub(super) fn tell_released(&mut self, now: u64, wiring: &mut dyn Wiring) {
+        if let Some(clocks) = self.i2c.take_released() {
+            wiring.i2c_condition(now, I2cCondition::Released { clocks });
+        }
     }
 
     fn check_pin(&self, unit: Unit, name: &str, signal: Signal) -> Result<(), Violation> {

@@ -5,7 +5,7 @@ use super::timer::kinds::TIMERS;
 use super::usart::PORTS;
 
 /// How many there are.
-pub(super) const SLOTS: usize = 25;
+pub(super) const SLOTS: usize = 27;
 
 /// The peripherals that have events or interrupts, each at its place in [`Chip::next_events`].
 pub(super) const UNITS: [Unit; SLOTS] = units();
@@ -28,6 +28,8 @@ const fn units() -> [Unit; SLOTS] {
     units[21] = Unit::Exti;
     units[22] = Unit::Rcc;
     units[23] = Unit::Flash;
+    units[25] = Unit::I2c1;
+    units[26] = Unit::Adc1;
     units
 }
 
@@ -47,6 +49,8 @@ fn slot_index(unit: Unit) -> Option<usize> {
         Unit::Rcc => 22,
         Unit::Flash => 23,
         Unit::Iwdg => 24,
+        Unit::I2c1 => 25,
+        Unit::Adc1 => 26,
         _ => return None,
     })
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::Count;
-use crate::board::{Board, Inputs, Pin, PwmPulse, Usart, Wiring};
+use crate::board::{Board, Frame, Inputs, Pin, PwmPulse, Usart, Wiring};
 use crate::elf::Elf;
 use crate::flight::FlightError;
 use crate::machine::{Machine, Options};
@@ -94,7 +94,7 @@ impl Wiring for Bare {
 
     fn pwm_stopped(&mut self, _: u64, _: Pin) {}
 
-    fn transmitted(&mut self, _: u64, _: Usart, _: u8) {}
+    fn transmitted(&mut self, _: u64, _: Usart, _: Frame) {}
 
     fn next_event(&self) -> u64 {
         NEVER

@@ -38,6 +38,11 @@ pub trait Bus {
     /// A reset that a peripheral demands, such as the watchdog's; asked once.
     fn take_reset(&mut self) -> Option<ResetCause>;
 
+    /// Whether power has failed; asked once.
+    fn take_power_failure(&mut self) -> bool {
+        false
+    }
+
     /// The processor stores into flash: what these bytes become, or why it must not.
     fn store_to_flash(
         &mut self,

@@ -60,6 +60,9 @@ impl<B: Bus + 'static> Machine<B> {
         if let Some(violation) = violation {
             return Err(self.violated(violation));
         }
+        if self.system.borrow_mut().bus.take_power_failure() {
+            return Err(Stop::PowerFailure { place: self.here() });
+        }
         if let Some(cause) = reset {
             self.reset(cause);
         }

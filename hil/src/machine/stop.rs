@@ -64,6 +64,12 @@ pub enum Stop {
         /// Behind the instruction that sleeps.
         place: Box<Place>,
     },
+    /// Power failed, as was asked for. A power cycle boots it again, on what the flash holds.
+    #[error("power fails: {place}")]
+    PowerFailure {
+        /// Where the processor was.
+        place: Box<Place>,
+    },
     /// BKPT with a debugger attached.
     #[error("breakpoint: {place}")]
     Breakpoint {

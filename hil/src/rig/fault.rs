@@ -1,4 +1,4 @@
-//! Faults of the inertial sensors, by name and time.
+//! Faults of sensors and wires, by name and time.
 //!
 //! In text `name`, `name@start` or `name@start+duration`, times in seconds: `imu-absent`,
 //! `imu-unplugged@5+0.3`, `data-ready-random@10+50`. Without a start a fault is there from
@@ -9,14 +9,37 @@ use std::str::FromStr;
 use windhover_model::random::Random;
 use windhover_model::sensor::icm42688p::DataLine;
 
+use crate::board::Usart;
+use crate::parts::i2c::Line;
 use crate::time::{NEVER, SECOND};
+
+/// Where a sensor is plugged in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Socket {
+    /// Inertial sensors.
+    Imu,
+    /// Barometer.
+    Barometer,
+    /// Compass.
+    Compass,
+    /// Satellite receiver.
+    Gnss,
+    /// RC receiver.
+    Remote,
+    /// The battery's voltage and current.
+    Battery,
+}
 
 /// What is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// The part is not there, or has no power: nothing drives its lines.
-    ImuUnplugged,
-    /// The part resets: a short loss of power. It has no duration.
+    Unplugged(Socket),
+    /// A line of I2C is held low.
+    HeldLow(Line),
+    /// Random bytes come in at a serial port, one behind the other, at its other end's rate.
+    Babble(Usart),
+    /// The inertial part resets: a short loss of power. It has no duration.
     ImuReset,
     /// The line from part to processor is stuck low.
     SpiStuckLow,
@@ -31,9 +54,24 @@ pub enum FaultKind {
 }
 
 /// Names in text.
-const NAMES: [(&str, FaultKind); 8] = [
-    ("imu-absent", FaultKind::ImuUnplugged),
-    ("imu-unplugged", FaultKind::ImuUnplugged),
+const NAMES: [(&str, FaultKind); 23] = [
+    ("imu-absent", FaultKind::Unplugged(Socket::Imu)),
+    ("imu-unplugged", FaultKind::Unplugged(Socket::Imu)),
+    ("baro-absent", FaultKind::Unplugged(Socket::Barometer)),
+    ("baro-unplugged", FaultKind::Unplugged(Socket::Barometer)),
+    ("compass-absent", FaultKind::Unplugged(Socket::Compass)),
+    ("compass-unplugged", FaultKind::Unplugged(Socket::Compass)),
+    ("gnss-absent", FaultKind::Unplugged(Socket::Gnss)),
+    ("gnss-unplugged", FaultKind::Unplugged(Socket::Gnss)),
+    ("rc-absent", FaultKind::Unplugged(Socket::Remote)),
+    ("rc-unplugged", FaultKind::Unplugged(Socket::Remote)),
+    ("battery-absent", FaultKind::Unplugged(Socket::Battery)),
+    ("battery-unplugged", FaultKind::Unplugged(Socket::Battery)),
+    ("i2c-clock-low", FaultKind::HeldLow(Line::Clock)),
+    ("i2c-data-low", FaultKind::HeldLow(Line::Data)),
+    ("babble-usart1", FaultKind::Babble(Usart(1))),
+    ("babble-usart2", FaultKind::Babble(Usart(2))),
+    ("babble-usart6", FaultKind::Babble(Usart(6))),
     ("imu-reset", FaultKind::ImuReset),
     ("spi-stuck-low", FaultKind::SpiStuckLow),
     ("spi-stuck-high", FaultKind::SpiStuckHigh),
@@ -103,8 +141,9 @@ fn ticks(text: &str) -> Result<u64, FaultError> {
 /// What a fault does to the part and its wires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
-    Unplug,
-    Plug,
+    Plug(Socket, bool),
+    Hold(Line, bool),
+    Babble(Usart, bool),
     Reset,
     Line(DataLine),
     /// Data-ready reaches the processor, or does not.
@@ -118,7 +157,9 @@ pub(super) fn schedule(faults: &[Fault], seed: u64) -> Vec<(u64, Action)> {
         let end = fault.start.saturating_add(fault.duration);
         let mut span = |begin, after| actions.extend([(fault.start, begin), (end, after)]);
         match fault.kind {
-            FaultKind::ImuUnplugged => span(Action::Unplug, Action::Plug),
+            FaultKind::Unplugged(socket) => span(Action::Plug(socket, false), Action::Plug(socket, true)),
+            FaultKind::HeldLow(line) => span(Action::Hold(line, true), Action::Hold(line, false)),
+            FaultKind::Babble(port) => span(Action::Babble(port, true), Action::Babble(port, false)),
             FaultKind::ImuReset => actions.push((fault.start, Action::Reset)),
             FaultKind::SpiStuckLow => damage(&mut span, DataLine::StuckLow),
             FaultKind::SpiStuckHigh => damage(&mut span, DataLine::StuckHigh),
@@ -190,8 +231,8 @@ mod tests {
         let faults = [fault("imu-unplugged@2+1"), fault("spi-repeats@1")];
         let expected = [
             (SECOND, Action::Line(DataLine::Repeats)),
-            (2 * SECOND, Action::Unplug),
-            (3 * SECOND, Action::Plug),
+            (2 * SECOND, Action::Plug(Socket::Imu, false)),
+            (3 * SECOND, Action::Plug(Socket::Imu, true)),
         ];
         assert_eq!(schedule(&faults, 1), expected);
     }

@@ -2,11 +2,21 @@
 
 use windhover_model::Vehicle;
 
+use crate::board::{Frame, Pin, PwmPulse, Wiring};
+
 use super::*;
 
 const MS: u64 = SECOND / 1000;
 const PERIOD: u64 = SECOND / 400;
 const WIRES: Wires = Wires::SPEEDYBEE_F405_V4;
+
+/// A byte as the command port has it.
+fn frame(byte: u8) -> Frame {
+    Frame {
+        data: byte.into(),
+        format: Format::plain(WIRES.commands_baud),
+    }
+}
 
 /// Somebody who moves pins.
 struct Hand {
@@ -198,7 +208,7 @@ fn the_world_goes_on_without_samples() {
 fn the_log_is_what_its_port_sent() {
     let mut hand = Hand::new(&[]);
     for byte in *b"ULog" {
-        hand.rig.transmitted(hand.now, Usart(3), byte);
+        hand.rig.transmitted(hand.now, Usart(3), frame(byte));
     }
     assert_eq!(hand.rig.log(), b"ULog");
     assert_eq!(hand.rig.answers(), []);
@@ -210,9 +220,9 @@ fn commands_arrive_byte_by_byte_and_answers_are_kept() {
     hand.rig.send(0, b"arm");
     hand.wait(MS);
     let port = Usart(1);
-    let expected = [(port, b'a'), (port, b'r'), (port, b'm')];
+    let expected = b"arm".map(|byte| (port, frame(byte)));
     assert_eq!(hand.inputs.received, expected);
-    hand.rig.transmitted(hand.now, port, b'k');
+    hand.rig.transmitted(hand.now, port, frame(b'k'));
     assert_eq!(hand.rig.answers(), [(hand.now, b'k')]);
 }
 

@@ -37,6 +37,14 @@ pub struct Wires {
     pub commands: Usart,
     /// Baud rate of the commands that come in.
     pub commands_baud: u64,
+    /// The serial port of the satellite receiver.
+    pub gnss: Usart,
+    /// The serial port of the RC receiver.
+    pub remote: Usart,
+    /// Clock and data of barometer and compass.
+    pub i2c: [Pin; 2],
+    /// The battery's voltage and current, each behind its scale.
+    pub battery: [Pin; 2],
 }
 
 impl Wires {
@@ -57,6 +65,10 @@ impl Wires {
         log: Usart(3),
         commands: Usart(1),
         commands_baud: 115_200,
+        gnss: Usart(6),
+        remote: Usart(2),
+        i2c: [Pin::new('B', 8), Pin::new('B', 9)],
+        battery: [Pin::new('C', 0), Pin::new('C', 1)],
     };
 }
 

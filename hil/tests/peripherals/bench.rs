@@ -2,10 +2,21 @@
 
 use super::registers::*;
 use std::collections::VecDeque;
-use windhover_hil::board::{Board, Inputs, Memory, Pin, PwmPulse, Usart, Wiring};
+use windhover_hil::board::{
+    Board, Format, Frame, I2cCondition, Inputs, Memory, Pin, PwmPulse, Usart, Wiring,
+};
 use windhover_hil::machine::Bus;
 use windhover_hil::time::{MICROSECOND, NEVER};
 use windhover_hil::violation::Violation;
+
+/// What went over I2C.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Talk {
+    Condition(I2cCondition),
+    Sent(u8),
+    /// And whether it was acknowledged.
+    Received(u8, bool),
+}
 
 /// Wires that record what comes out, and carry in what a test has planned.
 #[derive(Default)]
@@ -14,8 +25,18 @@ pub struct Wires {
     pub pulses: Vec<(u64, Pin, PwmPulse)>,
     pub stopped: Vec<(u64, Pin)>,
     pub sent: Vec<(u64, Usart, u8)>,
+    /// How the last byte was sent.
+    pub sent_as: Option<Format>,
     /// Bytes that went out over SPI, with the times of their ends.
     pub exchanged: Vec<(u64, u8)>,
+    /// What went over I2C, with the times of its end.
+    pub talk: Vec<(u64, Talk)>,
+    /// Bytes that are acknowledged on I2C.
+    pub acknowledged: Vec<u8>,
+    /// Bytes that I2C will read.
+    pub to_read: VecDeque<u8>,
+    /// Pins that were converted, and when.
+    pub converted: Vec<(u64, Pin)>,
     pub planned: VecDeque<(u64, Inputs)>,
 }
 
@@ -24,6 +45,25 @@ impl Wiring for Wires {
     fn spi(&mut self, now: u64, mosi: u8) -> u8 {
         self.exchanged.push((now, mosi));
         !mosi
+    }
+    fn i2c_condition(&mut self, now: u64, condition: I2cCondition) {
+        self.talk.push((now, Talk::Condition(condition)));
+    }
+    fn i2c_send(&mut self, now: u64, byte: u8) -> bool {
+        self.talk.push((now, Talk::Sent(byte)));
+        self.acknowledged.contains(&byte)
+    }
+    fn i2c_receive(&mut self, now: u64, acknowledge: bool) -> u8 {
+        let byte = self.to_read.pop_front().unwrap_or(0xFF);
+        self.talk.push((now, Talk::Received(byte, acknowledge)));
+        byte
+    }
+    /// Of PC0 0x100, 0x101, and so on with each conversion; of PC1 0x200, and so on.
+    fn analogue(&mut self, now: u64, pin: Pin) -> u16 {
+        let before = self.converted.iter().filter(|(_, other)| *other == pin);
+        let counts = 0x100 * (1 + u16::from(pin.number)) + before.count() as u16;
+        self.converted.push((now, pin));
+        counts
     }
     fn output(&mut self, now: u64, pin: Pin, level: bool) {
         self.outputs.push((now, pin, level));
@@ -34,8 +74,9 @@ impl Wiring for Wires {
     fn pwm_stopped(&mut self, now: u64, pin: Pin) {
         self.stopped.push((now, pin));
     }
-    fn transmitted(&mut self, now: u64, port: Usart, byte: u8) {
-        self.sent.push((now, port, byte));
+    fn transmitted(&mut self, now: u64, port: Usart, frame: Frame) {
+        self.sent.push((now, port, frame.data as u8));
+        self.sent_as = Some(frame.format);
     }
     fn next_event(&self) -> u64 {
         self.planned.front().map_or(NEVER, |(time, _)| *time)
@@ -84,6 +125,8 @@ pub struct Bench {
     pub board: Board<Wires>,
     pub memory: Chips,
     pub now: u64,
+    /// How planned bytes lie on the line.
+    pub line: Format,
 }
 
 impl Bench {
@@ -96,6 +139,10 @@ impl Bench {
                 flash: vec![0xFF; 0x10_0000],
             },
             now: 0,
+            line: Format {
+                bit: 0,
+                ..Format::plain(115_200)
+            },
         }
     }
 
@@ -103,8 +150,8 @@ impl Bench {
     pub fn powered() -> Self {
         let mut bench = Self::new();
         bench.write(RCC_AHB1ENR, 0x0070_11FF);
-        bench.write(RCC_APB1ENR, 0x1006_01FF);
-        bench.write(RCC_APB2ENR, 0x0007_5033);
+        bench.write(RCC_APB1ENR, 0x1026_01FF);
+        bench.write(RCC_APB2ENR, 0x0007_5133);
         bench
     }
 
@@ -183,11 +230,15 @@ impl Bench {
         self.board.wiring.planned.push_back((self.now + after, inputs));
     }
 
-    /// Plans that a byte will have come in after so many ticks.
+    /// Plans that a byte of the format of [`Self::line`] will have come in after so many ticks.
     pub fn plan_byte(&mut self, after: u64, port: Usart, byte: u8) {
+        let frame = Frame {
+            data: byte.into(),
+            format: self.line,
+        };
         let inputs = Inputs {
             levels: vec![],
-            received: vec![(port, byte)],
+            received: vec![(port, frame)],
         };
         self.board.wiring.planned.push_back((self.now + after, inputs));
     }

@@ -78,6 +78,7 @@ pub fn serial() -> Bench {
     bench.alternate(Pin::new('B', 10), 7);
     bench.alternate(Pin::new('B', 11), 7);
     bench.write(USART3 + BRR, 16);
+    bench.line.bit = FRAME / 10;
     bench.write(USART3 + CR1, 1 << 13 | 1 << 3 | 1 << 2);
     bench.wait(FRAME);
     bench.write(USART3 + CR3, 1 << 6 | 1 << 7);
@@ -179,6 +180,25 @@ fn a_circular_stream_begins_again_by_itself() {
     assert_eq!(bench.read(stream(DMA1, 1) + 4), 2);
     assert_eq!(bench.read(stream(DMA1, 1)) & EN, EN);
     assert_eq!(bench.read(DMA1 + LISR) >> 6, HTIF | TCIF);
+}
+
+// 10.3.8, 10.5.6: NDTR is reloaded when the stream is enabled again
+#[test]
+fn a_ring_that_is_stopped_and_enabled_again_begins_at_its_beginning() {
+    let mut bench = serial();
+    let ring = USART3_CHANNEL | MINC | CIRC;
+    set_up(&mut bench, stream(DMA1, 1), USART3 + DR, TARGET, 4, ring);
+    for byte in 1..=9 {
+        bench.plan_byte(FRAME * u64::from(byte), Usart(3), byte);
+    }
+    bench.wait(3 * FRAME);
+    bench.write(stream(DMA1, 1), ring);
+    assert_eq!(bench.read(stream(DMA1, 1) + 4), 1, "what is left can be read");
+    bench.write(DMA1 + LIFCR, 0x3F << 6);
+    bench.write(stream(DMA1, 1), ring | EN);
+    bench.wait(6 * FRAME);
+    assert_eq!(bench.bytes(TARGET, 4), [8, 9, 6, 7]);
+    assert_eq!(bench.read(stream(DMA1, 1) + 4), 2);
 }
 
 // 10.3.9

@@ -6,25 +6,25 @@ use windhover_hil::board::ResetCause;
 use windhover_hil::machine::Bus;
 use windhover_hil::time::MICROSECOND;
 
-const PG: u32 = 1 << 0;
-const SER: u32 = 1 << 1;
-const STRT: u32 = 1 << 16;
+pub const PG: u32 = 1 << 0;
+pub const SER: u32 = 1 << 1;
+pub const STRT: u32 = 1 << 16;
 const EOPIE: u32 = 1 << 24;
 const LOCK: u32 = 1 << 31;
 const BSY: u32 = 1 << 16;
-const BY_WORDS: u32 = 2 << 8;
-const MILLISECOND: u64 = 1000 * MICROSECOND;
+pub const BY_WORDS: u32 = 2 << 8;
+pub const MILLISECOND: u64 = 1000 * MICROSECOND;
 /// The first of the sectors of 128 KiB.
-const SECTOR_5: u32 = 0x0802_0000;
+pub const SECTOR_5: u32 = 0x0802_0000;
 
-fn unlocked() -> Bench {
+pub fn unlocked() -> Bench {
     let mut bench = Bench::powered();
     bench.write(FLASH_KEYR, 0x4567_0123);
     bench.write(FLASH_KEYR, 0xCDEF_89AB);
     bench
 }
 
-fn store(bench: &mut Bench, address: u32, size: u32, value: u32) -> Result<u32, String> {
+pub fn store(bench: &mut Bench, address: u32, size: u32, value: u32) -> Result<u32, String> {
     bench
         .board
         .store_to_flash(bench.now, address, size, value, &mut bench.memory)

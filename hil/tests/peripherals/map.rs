@@ -9,9 +9,9 @@ use windhover_hil::violation::Violation;
 #[test]
 fn a_peripheral_that_is_not_modelled_is_refused_by_its_name() {
     for (address, peripheral) in [
-        (0x4000_5410, "I2C1"),
+        (0x4000_5810, "I2C2"),
         (0x4000_3C08, "SPI3"),
-        (0x4001_2000, "ADC1, ADC2, ADC3"),
+        (0x4000_7400, "DAC"),
         (0x5000_0010, "USB OTG FS"),
         (0x4000_2C00, "WWDG"),
         (0x4100_0000, "reserved"),

@@ -62,6 +62,25 @@ pub const SPI_CR2: u32 = SPI1 + 0x04;
 pub const SPI_SR: u32 = SPI1 + 0x08;
 pub const SPI_DR: u32 = SPI1 + 0x0C;
 
+pub const ADC1: u32 = 0x4001_2000;
+pub const ADC_SR: u32 = ADC1;
+pub const ADC_CR1: u32 = ADC1 + 0x04;
+pub const ADC_CR2: u32 = ADC1 + 0x08;
+pub const ADC_SMPR1: u32 = ADC1 + 0x0C;
+pub const ADC_SQR1: u32 = ADC1 + 0x2C;
+pub const ADC_SQR3: u32 = ADC1 + 0x34;
+pub const ADC_DR: u32 = ADC1 + 0x4C;
+pub const ADC_CCR: u32 = ADC1 + 0x304;
+
+pub const I2C1: u32 = 0x4000_5400;
+pub const I2C_CR1: u32 = I2C1;
+pub const I2C_CR2: u32 = I2C1 + 0x04;
+pub const I2C_DR: u32 = I2C1 + 0x10;
+pub const I2C_SR1: u32 = I2C1 + 0x14;
+pub const I2C_SR2: u32 = I2C1 + 0x18;
+pub const I2C_CCR: u32 = I2C1 + 0x1C;
+pub const I2C_TRISE: u32 = I2C1 + 0x20;
+
 pub const USART1: u32 = 0x4001_1000;
 pub const USART3: u32 = 0x4000_4800;
 pub const SR: u32 = 0x00;

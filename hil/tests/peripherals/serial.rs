@@ -2,12 +2,16 @@
 
 use super::bench::{Bench, assert_says};
 use super::registers::*;
+use windhover_hil::board::line::{Format, Parity};
 use windhover_hil::board::{Pin, Usart};
 use windhover_hil::machine::Bus;
+use windhover_hil::time::SECOND;
 
 const UE: u32 = 1 << 13;
 const TE: u32 = 1 << 3;
 const RE: u32 = 1 << 2;
+const PE: u32 = 1 << 0;
+const FE: u32 = 1 << 1;
 const IDLE: u32 = 1 << 4;
 const ORE: u32 = 1 << 3;
 const RXNE: u32 = 1 << 5;
@@ -23,6 +27,7 @@ fn connected() -> Bench {
     bench.alternate(Pin::new('A', 9), 7);
     bench.alternate(Pin::new('A', 10), 7);
     bench.write(USART1 + BRR, DIVISOR);
+    bench.line.bit = FRAME / 10;
     bench
 }
 
@@ -65,7 +70,7 @@ fn the_baud_rate_is_the_bus_s_clock_by_the_divisor() {
     bench.write(USART3 + BRR, 21);
     bench.write(USART3 + CR1, UE | TE);
     let frame = 10 * 21 * 8;
-    assert_eq!(frame, windhover_hil::time::SECOND / 200_000);
+    assert_eq!(frame, SECOND / 200_000);
     assert_eq!(bench.board.next_event(), bench.now + frame);
 }
 
@@ -224,6 +229,86 @@ fn with_parity_and_eight_bits_seven_are_data() {
     bench.write(USART1 + DR, 0xFF);
     bench.wait(FRAME);
     assert_eq!(bytes(&bench), [0x7F]);
+}
+
+// 30.6.2: with parity, the bit in the place of the highest is the parity that was received
+#[test]
+fn eight_bits_and_even_parity_make_nine_that_are_read() {
+    let mut bench = connected();
+    let with_parity = Format {
+        parity: Parity::Even,
+        stop_halves: 4,
+        ..bench.line
+    };
+    bench.line = with_parity;
+    bench.write(USART1 + CR2, 2 << 12);
+    bench.write(USART1 + CR1, UE | TE | RE | 1 << 12 | 1 << 10);
+    bench.plan_byte(1, Usart(1), 0x07);
+    bench.wait(1);
+    assert_eq!(bench.read(USART1 + SR) & (PE | FE | RXNE), RXNE);
+    assert_eq!(bench.read(USART1 + DR), 0x107);
+    bench.wait(2 * FRAME);
+    bench.write(USART1 + DR, 0x07);
+    bench.wait(2 * FRAME);
+    assert_eq!(bench.board.wiring.sent_as, Some(with_parity));
+}
+
+// 30.3.3: framing error
+#[test]
+fn a_sender_that_is_too_slow_makes_framing_errors() {
+    let mut bench = running();
+    bench.line.bit = FRAME;
+    bench.plan_byte(1, Usart(1), 0x00);
+    bench.wait(FRAME);
+    assert_eq!(bench.read(USART1 + SR) & (FE | RXNE), FE | RXNE);
+    assert_eq!(bench.read(USART1 + DR), 0);
+    assert_eq!(bench.read(USART1 + SR) & (FE | RXNE), 0);
+}
+
+// 30.3.3
+#[test]
+fn a_sender_that_is_too_fast_is_not_understood() {
+    let mut bench = running();
+    bench.line.bit = FRAME / 40;
+    for n in 0..40 {
+        bench.plan_byte(1 + n * FRAME / 4, Usart(1), 0xB5);
+    }
+    let mut heard = vec![];
+    for _ in 0..12 {
+        bench.wait(FRAME);
+        if bench.read(USART1 + SR) & RXNE != 0 {
+            heard.push(bench.read(USART1 + DR));
+        }
+    }
+    assert!(!heard.is_empty() && !heard.contains(&0xB5), "{heard:?}");
+}
+
+// 30.3.5, 30.4: PEIE
+#[test]
+fn wrong_parity_raises_the_interrupt_where_it_is_enabled() {
+    let mut bench = connected();
+    bench.line.parity = Parity::Odd;
+    let on = UE | TE | RE | 1 << 12 | 1 << 10;
+    bench.write(USART1 + CR1, on);
+    bench.plan_byte(1, Usart(1), 0x55);
+    bench.wait(2 * FRAME);
+    assert_eq!(bench.read(USART1 + SR) & (PE | FE), PE);
+    assert!(!bench.requests(INTERRUPT));
+    bench.write(USART1 + CR1, on | 1 << 8);
+    assert!(bench.requests(INTERRUPT));
+    bench.read(USART1 + DR);
+    assert!(!bench.requests(INTERRUPT));
+}
+
+// 30.6.6: EIE
+#[test]
+fn a_framing_error_raises_the_error_interrupt_under_dma() {
+    let mut bench = running();
+    bench.write(USART1 + CR3, 1 | 1 << 6);
+    bench.line.bit = FRAME;
+    bench.plan_byte(1, Usart(1), 0x00);
+    bench.wait(FRAME);
+    assert!(bench.requests(INTERRUPT));
 }
 
 // 30.4

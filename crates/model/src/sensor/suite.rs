@@ -120,6 +120,10 @@ impl<S, R: Raw> Fitted<S, R> {
         if !self.due.now(time) {
             return None;
         }
+        self.measure(time, measure)
+    }
+
+    fn measure(&mut self, time: u64, measure: impl FnOnce(&mut S) -> Option<R>) -> Option<R> {
         let output = measure(&mut self.sensor)?;
         self.faults.apply(time, output)
     }
@@ -152,6 +156,10 @@ fn barometer(fitting: &Fitting, errors: &BarometerErrors, seed: u64) -> Baromete
 }
 
 /// All sensors of one vehicle. Deterministic: equal arguments give equal integers.
+///
+/// [`Self::advance`] lets each measure at its rate. Where a part has an oscillator of its own, its
+/// owner asks each sensor at its time instead, about as often as its rate says, by which drifts are
+/// scaled.
 #[derive(Clone, Debug)]
 pub struct SensorSuite {
     imu: Fitted<Inertial, Measurement>,
@@ -205,7 +213,11 @@ impl SensorSuite {
     /// world.
     pub fn advance(&mut self, truth: &Truth, time: u64) -> Readings {
         Readings {
-            imu: self.imu(truth, time),
+            imu: if self.imu.due.now(time) {
+                self.measure_imu(truth, time)
+            } else {
+                None
+            },
             barometer: self.barometer.take(time, |part| Some(part.measure(truth))),
             compass: self.compass.take(time, |part| Some(part.measure(truth))),
             gnss: self.gnss(truth, time),
@@ -214,11 +226,12 @@ impl SensorSuite {
         }
     }
 
-    fn imu(&mut self, truth: &Truth, time: u64) -> Option<Measurement> {
+    /// The inertial measurement unit takes a sample at `time` µs; `None` if it gives none.
+    pub fn measure_imu(&mut self, truth: &Truth, time: u64) -> Option<Measurement> {
         /// How the part marks a sample that is not valid.
         const INVALID: [i16; 3] = [i16::MIN; 3];
         let (gyro, accel) = (&mut self.gyro, &mut self.accel);
-        self.imu.take(time, |part| {
+        self.imu.measure(time, |part| {
             let measured = part.sample(truth);
             Some(Measurement {
                 gyro: gyro.apply(time, measured.gyro).unwrap_or(INVALID),
@@ -228,15 +241,45 @@ impl SensorSuite {
         })
     }
 
-    /// The receiver measures when it is due, and its messages come out whenever they do. Faults
-    /// are of the messages.
+    /// The barometer measures at `time` µs; `None` if it gives nothing.
+    pub fn measure_barometer(&mut self, truth: &Truth, time: u64) -> Option<BarometerCounts> {
+        self.barometer.measure(time, |part| Some(part.measure(truth)))
+    }
+
+    /// The compass measures at `time` µs; `None` if it gives nothing.
+    pub fn measure_compass(&mut self, truth: &Truth, time: u64) -> Option<[i16; 3]> {
+        self.compass.measure(time, |part| Some(part.measure(truth)))
+    }
+
+    /// The battery's voltages are measured at `time` µs; `None` if they are not there.
+    pub fn measure_battery(&mut self, truth: &Truth, time: u64) -> Option<BatteryCounts> {
+        self.battery.measure(time, |part| Some(part.measure(truth, time)))
+    }
+
+    /// The RC receiver's frame at `time` µs; `None` if none came.
+    pub fn measure_rc(&mut self, time: u64) -> Option<[u16; CHANNELS]> {
+        let sticks = &self.sticks;
+        self.rc.measure(time, |part| part.measure(sticks))
+    }
+
+    /// The satellite receiver measures at `time` µs. Its message comes out of
+    /// [`Self::receive_gnss`], later.
+    pub fn measure_gnss(&mut self, truth: &Truth, time: u64) {
+        self.gnss.sensor.measure(truth, time);
+    }
+
+    /// A message of the satellite receiver that has come out by `time` µs. Faults are of the
+    /// messages.
+    pub fn receive_gnss(&mut self, time: u64) -> Option<NavPvt> {
+        let message = self.gnss.sensor.receive(time)?;
+        self.gnss.faults.apply(time, message)
+    }
+
     fn gnss(&mut self, truth: &Truth, time: u64) -> Option<NavPvt> {
-        let gnss = &mut self.gnss;
-        if gnss.due.now(time) {
-            gnss.sensor.measure(truth, time);
+        if self.gnss.due.now(time) {
+            self.measure_gnss(truth, time);
         }
-        let message = gnss.sensor.receive(time)?;
-        gnss.faults.apply(time, message)
+        self.receive_gnss(time)
     }
 
     /// What a driver has to know of the barometer.

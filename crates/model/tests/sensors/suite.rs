@@ -150,3 +150,40 @@ fn at_4_khz_the_unit_comes_every_step() {
     assert!(all.iter().all(|r| r.imu.is_some()));
     assert_eq!(all.iter().filter(|r| r.barometer.is_some()).count(), 50);
 }
+
+/// Parts with oscillators of their own are asked one by one: they read what a suite reads that is
+/// asked at its rates.
+#[test]
+fn sensors_asked_one_by_one_read_the_same() {
+    let (fitting, errors) = (Fitting::default(), SensorErrors::default());
+    let faults = ["baro-freeze@0.5,0.5", "gnss-bias-step@1", "gyro-dropout@1.5"]
+        .map(|text| text.parse::<SensorFault>().unwrap());
+    let mut suite = SensorSuite::new(&fitting, &errors, &faults, 11);
+    for (ms, readings) in flight(&fitting, &errors, &faults, 2).iter().enumerate() {
+        let (ms, time) = (ms as u64, ms as u64 * 1000);
+        let truth = moving(time);
+        suite.set_sticks([0.5 * libm::sin(time as f64 * 1e-6); 16]);
+        let due = |period: u64, phase: u64| ms >= phase && (ms - phase).is_multiple_of(period);
+        let mut one_by_one = Readings {
+            imu: suite.measure_imu(&truth, time),
+            ..Readings::default()
+        };
+        if due(20, 3) {
+            one_by_one.barometer = suite.measure_barometer(&truth, time);
+        }
+        if due(20, 7) {
+            one_by_one.compass = suite.measure_compass(&truth, time);
+        }
+        if due(100, 0) {
+            suite.measure_gnss(&truth, time);
+        }
+        one_by_one.gnss = suite.receive_gnss(time);
+        if due(100, 11) {
+            one_by_one.battery = suite.measure_battery(&truth, time);
+        }
+        if due(20, 13) {
+            one_by_one.rc = suite.measure_rc(time);
+        }
+        assert_eq!(one_by_one, *readings, "{ms} ms");
+    }
+}

@@ -77,6 +77,14 @@ impl Dma {
         best
     }
 
+    /// How many items the stream that serves a request can take before the one with which it sets a
+    /// flag; none for a request that no stream serves.
+    pub(super) fn silent_items(&self, request: Request) -> u32 {
+        let serves = |stream: &&Stream| stream.enabled() && stream.heard.contains(&Some(request));
+        let stream = self.streams.iter().find(serves);
+        stream.map_or(0, Stream::silent_items)
+    }
+
     /// Whether a stream takes data to its peripheral.
     pub(super) fn transmits(&self, stream: usize) -> bool {
         self.streams[stream].transmits()
@@ -155,7 +163,7 @@ impl Dma {
             return misuse("its registers are written while it is enabled");
         }
         match register {
-            NDTR => stream.left = value & 0xFFFF,
+            NDTR => stream.write_count(value),
             PAR => stream.peripheral = value,
             M0AR => stream.memories[0] = value,
             M1AR => stream.memories[1] = value,

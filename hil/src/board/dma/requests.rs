@@ -1,6 +1,7 @@
 //! Which requests reach which stream by which channel (RM0090 tables 42 and 43), for the
 //! peripherals that are modelled.
 
+use super::super::adc;
 use super::super::spi;
 use super::super::timer::{Event, kinds::TIMERS};
 use super::super::usart::{self, PORTS};
@@ -11,6 +12,7 @@ use std::ops::Range;
 pub(in super::super) enum Request {
     SpiReceive,
     SpiTransmit,
+    Adc,
     /// Index of the port.
     UsartReceive(u8),
     /// Index of the port.
@@ -18,13 +20,13 @@ pub(in super::super) enum Request {
     /// Index of the timer.
     Timer(u8, Event),
 }
-use Request::{SpiReceive, SpiTransmit, UsartReceive, UsartTransmit};
+use Request::{Adc, SpiReceive, SpiTransmit, UsartReceive, UsartTransmit};
 
 impl Request {
     /// Whether data goes to the peripheral; a timer takes it either way.
     pub(super) fn to_peripheral(self) -> Option<bool> {
         match self {
-            SpiReceive | UsartReceive(_) => Some(false),
+            Adc | SpiReceive | UsartReceive(_) => Some(false),
             SpiTransmit | UsartTransmit(_) => Some(true),
             Self::Timer(..) => None,
         }
@@ -35,6 +37,7 @@ impl Request {
         let one = |address: u32| address..address + 1;
         match self {
             SpiReceive | SpiTransmit => one(spi::DATA),
+            Adc => one(adc::DATA),
             UsartReceive(port) | UsartTransmit(port) => one(PORTS[usize::from(port)].base + usart::DR),
             Self::Timer(timer, _) => {
                 let base = TIMERS[usize::from(timer)].base;
@@ -73,7 +76,7 @@ const fn compare(timer: u8, channel: u8) -> Request {
 }
 
 /// Where a stream and channel carry several requests, they stand together.
-const ARRIVALS: [Arrival; 59] = [
+const ARRIVALS: [Arrival; 61] = [
     at(1, 0, 2, compare(4, 1)),
     at(1, 0, 6, compare(5, 3)),
     at(1, 0, 6, update(5)),
@@ -105,6 +108,7 @@ const ARRIVALS: [Arrival; 59] = [
     at(1, 7, 3, update(2)),
     at(1, 7, 3, compare(2, 4)),
     at(1, 7, 5, compare(3, 3)),
+    at(2, 0, 0, Adc),
     at(2, 0, 3, SpiReceive),
     at(2, 1, 5, UsartReceive(3)),
     at(2, 1, 6, compare(1, 1)),
@@ -120,6 +124,7 @@ const ARRIVALS: [Arrival; 59] = [
     at(2, 3, 3, SpiTransmit),
     at(2, 3, 6, compare(1, 1)),
     at(2, 3, 7, compare(8, 2)),
+    at(2, 4, 0, Adc),
     at(2, 4, 6, compare(1, 4)),
     at(2, 4, 7, compare(8, 3)),
     at(2, 5, 3, SpiTransmit),

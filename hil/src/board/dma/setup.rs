@@ -23,6 +23,7 @@ impl Stream {
         if self.flags & FLAGS_OF_A_TRANSFER != 0 {
             return misuse("it is enabled before its flags are cleared");
         }
+        self.begin();
         if self.left == 0 {
             return misuse("it is enabled with nothing to transfer (NDTR = 0)");
         }
@@ -32,7 +33,6 @@ impl Stream {
         }
         self.control |= EN;
         self.filled = 0;
-        self.begin(self.left);
         self.refill(memory)
     }
 

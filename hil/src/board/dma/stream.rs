@@ -50,7 +50,7 @@ pub(super) struct Stream {
     pub flags: u32,
     /// What it listens to while it is enabled.
     pub heard: Heard,
-    /// NDTR as it was when it was enabled.
+    /// What was written to NDTR: what each round has.
     total: u32,
     memory_address: u32,
     peripheral_address: u32,
@@ -78,6 +78,13 @@ impl Stream {
 
     pub(super) fn enabled(&self) -> bool {
         self.control & EN != 0
+    }
+
+    /// Items before the one that sets HTIF or TCIF.
+    pub(super) fn silent_items(&self) -> u32 {
+        let half = self.total / 2;
+        let flagged = if self.left > half { half } else { 0 };
+        self.left.saturating_sub(flagged + 1)
     }
 
     /// Whether its request line is high.
@@ -155,10 +162,16 @@ impl Stream {
         Ok(())
     }
 
-    /// A new round of `total` items.
-    pub(super) fn begin(&mut self, total: u32) {
-        self.left = total;
-        self.total = total;
+    /// NDTR is written.
+    pub(super) fn write_count(&mut self, value: u32) {
+        self.left = value & 0xFFFF;
+        self.total = self.left;
+    }
+
+    /// A new round, of as many items as were written to NDTR: after an end, in circular mode, and
+    /// also when the stream is enabled again without a new number (RM0090 10.3.8, 10.5.6).
+    pub(super) fn begin(&mut self) {
+        self.left = self.total;
         self.memory_address = self.memories[usize::from(self.control & CT != 0)];
         self.peripheral_address = self.peripheral;
     }
@@ -220,7 +233,7 @@ impl Stream {
             self.control ^= CT;
         }
         if self.control & (CIRC | DBM) != 0 {
-            self.begin(self.total);
+            self.begin();
         } else {
             self.control &= !EN;
         }

@@ -4,6 +4,7 @@ mod ports;
 
 pub(super) use ports::PORTS;
 
+use super::line::{Format, Frame, Heard, Parity, Receiver};
 use super::refusal::{Answer, Refusal, misuse};
 use crate::time::NEVER;
 
@@ -15,6 +16,8 @@ const CR2: u32 = 0x10;
 const CR3: u32 = 0x14;
 const GTPR: u32 = 0x18;
 
+const SR_PE: u32 = 1 << 0;
+const SR_FE: u32 = 1 << 1;
 const SR_ORE: u32 = 1 << 3;
 const SR_IDLE: u32 = 1 << 4;
 const SR_RXNE: u32 = 1 << 5;
@@ -33,6 +36,8 @@ const CR1_IDLEIE: u32 = 1 << 4;
 const CR1_RXNEIE: u32 = 1 << 5;
 const CR1_TCIE: u32 = 1 << 6;
 const CR1_TXEIE: u32 = 1 << 7;
+const CR1_PEIE: u32 = 1 << 8;
+const CR1_PS: u32 = 1 << 9;
 const CR1_PCE: u32 = 1 << 10;
 const CR1_M: u32 = 1 << 12;
 const CR1_UE: u32 = 1 << 13;
@@ -53,7 +58,7 @@ const CR3_WRITABLE: u32 = 0x0FFF;
 /// What is in the transmitter's shift register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shifting {
-    Byte(u8),
+    Byte(u16),
     /// The frame of ones that goes out first when the transmitter is switched on.
     IdleFrame,
 }
@@ -66,7 +71,8 @@ pub(super) struct Usart {
     /// SR was read: a read or write of DR now clears flags.
     status_read: bool,
     received: u32,
-    waiting: Option<u8>,
+    receiver: Receiver,
+    waiting: Option<u16>,
     shifting: Option<Shifting>,
     /// When the shift register will be empty.
     shifted: u64,
@@ -85,6 +91,7 @@ impl Usart {
             guard: 0,
             status_read: false,
             received: 0,
+            receiver: Receiver::default(),
             waiting: None,
             shifting: None,
             shifted: NEVER,
@@ -130,20 +137,24 @@ impl Usart {
             (CR1_TCIE, SR_TC),
             (CR1_RXNEIE, SR_RXNE | SR_ORE),
             (CR1_IDLEIE, SR_IDLE),
+            (CR1_PEIE, SR_PE),
         ]
         .iter()
         .any(|(enable, flags)| control & enable != 0 && self.status & flags != 0);
         let errors = CR3_EIE | CR3_DMAR;
-        let error = control_3 & errors == errors && self.status & SR_ORE != 0;
+        let error = control_3 & errors == errors && self.status & (SR_ORE | SR_FE) != 0;
         control & CR1_UE != 0 && (enabled || error)
     }
 
     pub(super) fn next_event(&self) -> u64 {
-        self.shifted.min(self.idle)
+        let heard = self.receiver.next_event(&self.format());
+        self.shifted.min(self.idle).min(heard)
     }
 
     /// What is due: the byte that has left the transmitter, if one has.
-    pub(super) fn advance(&mut self, now: u64) -> Option<u8> {
+    pub(super) fn advance(&mut self, now: u64) -> Option<Frame> {
+        let heard = self.receiver.advance(now, &self.format());
+        self.take(now, heard);
         if self.idle <= now {
             self.idle = NEVER;
             self.status |= SR_IDLE;
@@ -163,30 +174,39 @@ impl Usart {
             }
         }
         match gone {
-            Some(Shifting::Byte(byte)) => Some(byte),
+            Some(Shifting::Byte(data)) => Some(Frame {
+                data,
+                format: self.format(),
+            }),
             _ => None,
         }
     }
 
-    /// A byte has come in, its stop bit too.
-    pub(super) fn receive(&mut self, now: u64, byte: u8) {
+    /// A byte's last stop bit is over at the receiver's pin.
+    pub(super) fn receive(&mut self, now: u64, frame: Frame) {
         if !self.on(CR1_RE) {
             return;
         }
+        let heard = self.receiver.hear(now, frame, &self.format());
+        self.take(now, heard);
+    }
+
+    /// The receiver read a byte. The parity bit is read with it (RM0090 30.6.2).
+    fn take(&mut self, now: u64, heard: Option<Heard>) {
+        let Some(heard) = heard else {
+            return;
+        };
         if self.status & SR_RXNE != 0 {
             self.status |= SR_ORE;
         } else {
-            self.received = u32::from(byte & self.data_mask());
+            self.received = u32::from(heard.bits);
             self.status |= SR_RXNE;
+            self.status |= if heard.framing_error { SR_FE } else { 0 };
+            self.status |= if heard.parity_error { SR_PE } else { 0 };
         }
         // One frame of silence makes the line idle; a byte that begins within it is known here only
         // at its end, another frame later.
         self.idle = now + 2 * self.frame_time();
-    }
-
-    fn data_mask(&self) -> u8 {
-        let seven_bits = self.control[0] & (CR1_M | CR1_PCE) == CR1_PCE;
-        if seven_bits { 0x7F } else { 0xFF }
     }
 
     /// Cycles of the bus in a bit: USARTDIV, whose fraction is sixteenths, or eighths with OVER8.
@@ -199,11 +219,25 @@ impl Usart {
         }
     }
 
+    /// How bytes lie on the line, by the registers. The parity bit is one of the 8 or 9 of M.
+    fn format(&self) -> Format {
+        let control = self.control[0];
+        let parity = match (control & CR1_PCE != 0, control & CR1_PS != 0) {
+            (false, _) => Parity::None,
+            (true, false) => Parity::Even,
+            (true, true) => Parity::Odd,
+        };
+        let bits = if control & CR1_M != 0 { 9 } else { 8 };
+        Format {
+            bit: self.bit_cycles() * self.cycle,
+            data_bits: bits - u32::from(parity != Parity::None),
+            parity,
+            stop_halves: [2, 1, 4, 3][(self.control[1] >> 12 & 3) as usize],
+        }
+    }
+
     fn frame_time(&self) -> u64 {
-        let data_bits = if self.control[0] & CR1_M != 0 { 9 } else { 8 };
-        let stop_half_bits = [2, 1, 4, 3][(self.control[1] >> 12 & 3) as usize];
-        let half_bits = 2 * (1 + data_bits) + stop_half_bits;
-        half_bits * self.bit_cycles() * self.cycle / 2
+        self.format().frame_time()
     }
 
     fn shift(&mut self, now: u64, what: Shifting) {
@@ -259,6 +293,9 @@ impl Usart {
         }
         let transmitted = self.transmits();
         self.control[0] = value;
+        if !self.on(CR1_RE) {
+            self.receiver = Receiver::default();
+        }
         if self.on(0) && self.bit_cycles() < 8 {
             return misuse("it is enabled without a baud rate");
         }
@@ -280,12 +317,12 @@ impl Usart {
             self.status &= !SR_TC;
             self.status_read = false;
         }
-        let byte = value as u8 & self.data_mask();
+        let data = value as u16 & self.format().mask();
         if self.shifting.is_some() {
-            self.waiting = Some(byte);
+            self.waiting = Some(data);
             self.status &= !SR_TXE;
         } else {
-            self.shift(now, Shifting::Byte(byte));
+            self.shift(now, Shifting::Byte(data));
         }
         Ok(())
     }
