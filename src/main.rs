@@ -32,7 +32,6 @@ mod task;
 #[cortex_m_rt::entry]
 fn main() -> ! {
     use defmt_rtt as _;
-    use embassy_stm32::wdg::IndependentWatchdog;
 
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
     const WATCHDOG: u32 = 250_000;
@@ -51,17 +50,17 @@ fn main() -> ! {
         logging,
         start,
         ground,
+        stored,
     } = start::core(board.storage, store, cause);
     let motors = board::Motors::new(board.motors, start.parameters.board.pwm_rate as u32);
     let state = task::InnerLoop::new(config, inner, motors);
-    let mut watchdog = IndependentWatchdog::new(board.watchdog, WATCHDOG);
-    watchdog.unleash();
+    let watchdog = board::watch(board.watchdog, WATCHDOG);
 
     board::on_every_priority(|inner, outer_spawner, thread| {
         inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
         outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
         thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
-        thread.spawn(task::ground_link(board.ground_link, ground).expect("spawned once"));
+        thread.spawn(task::ground_link(board.ground_link, ground, stored).expect("spawned once"));
         thread.spawn(task::health(board.light).expect("spawned once"));
     })
 }

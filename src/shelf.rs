@@ -3,6 +3,7 @@
 
 use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind, PlanMemory};
 use windhover_flight_log::PlanItem;
+use windhover_storage::PlanSink;
 use windhover_vehicle_link::PlanMedium;
 
 use crate::board::PLANS;
@@ -42,5 +43,12 @@ impl PlanMedium for Shelf {
             shared::with(|shared| shared.log.plan_item(&item));
         }
         taken
+    }
+}
+
+/// What is stored comes onto the shelf at the start.
+impl PlanSink for Shelf {
+    fn put(&mut self, kind: PlanKind, index: u16, item: &MissionItem) -> bool {
+        with(|memory| memory.put(kind, 0, index, *item))
     }
 }

@@ -3,30 +3,18 @@
 use embassy_futures::block_on;
 use embassy_time::Instant;
 use static_cell::{ConstStaticCell, StaticCell};
-use windhover_autopilot::mission::{MissionItem, MissionSource, PlanKind};
-use windhover_autopilot::{Inner, InnerConfig, Outer, OuterConfig, ParameterWrite, Parameters};
+use windhover_autopilot::mission::PlanKind;
+use windhover_autopilot::{
+    Command, Inner, InnerConfig, MissionCommit, Outer, OuterConfig, ParameterWrite, Parameters,
+};
 use windhover_flight_log::{Logger, LoggerConfig};
-use windhover_storage::{Journal, Keeper, Loaded, PlanSink, StoreError, View};
+use windhover_storage::{Journal, Keeper, Loaded, StoreError, View};
 use windhover_vehicle_link::Fitting;
 
 use crate::board::{self, STORED, Storage};
 use crate::fault::{self, Cause};
+use crate::shelf::Shelf;
 use crate::{shared, task};
-
-/// No plan is kept on board yet.
-struct NoPlans;
-
-impl MissionSource for NoPlans {
-    fn item(&self, _: PlanKind, _: u8, _: u16) -> Option<MissionItem> {
-        None
-    }
-}
-
-impl PlanSink for NoPlans {
-    fn put(&mut self, _: PlanKind, _: u16, _: &MissionItem) -> bool {
-        false
-    }
-}
 
 /// The core, and what is made with it.
 pub struct Core {
@@ -42,12 +30,37 @@ pub struct Core {
     pub start: &'static task::Start,
     /// The ground link.
     pub ground: &'static mut task::Ground,
+    /// What outlasts power.
+    pub stored: &'static mut Stored,
 }
 
-/// Makes the core; its log begins. A function of its own: what is made goes over the stack, of which
-/// `main` never gives back anything.
+/// What was found in flash, and who keeps it up to date.
+pub struct Stored {
+    /// Parameters, or their defaults.
+    pub parameters: Parameters,
+    /// The plans that lie on the shelf.
+    pub plans: [MissionCommit; 3],
+    damaged: bool,
+    /// Where it is stored.
+    pub journal: Journal<Storage>,
+    /// What is to be stored next.
+    pub keeper: Keeper,
+}
+
+/// Loads what is stored and makes the core; its log begins. Where there is a parameter to `store`, does
+/// that and starts anew instead.
+///
+/// What is loaded and what is made goes over the stack, of which `main` never gives back anything:
+/// functions of their own, one after the other and not one within the other.
 #[inline(never)]
 pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Core {
+    static STORED_THERE: StaticCell<Stored> = StaticCell::new();
+    let stored = STORED_THERE.init_with(|| load(storage, store));
+    make(stored, cause)
+}
+
+#[inline(never)]
+fn make(stored: &'static mut Stored, cause: Cause) -> Core {
     static OUTER: StaticCell<Outer> = StaticCell::new();
     static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
     static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
@@ -55,8 +68,7 @@ pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Co
     static GROUND: StaticCell<task::Ground> = StaticCell::new();
 
     let outer_config = OuterConfig::default();
-    let (parameters, damaged) = load(storage, store);
-    let outer = OUTER.init_with(|| outer(&parameters, damaged, &outer_config));
+    let outer = OUTER.init_with(|| outer(&stored.parameters, stored.damaged, &outer_config));
     let parameters = *outer.parameters();
     let config = InnerConfig {
         imu_rate: parameters.board.imu_rate(),
@@ -71,13 +83,16 @@ pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Co
         parameters,
         outer: outer_config,
         cause,
+        plans: stored.plans,
     });
+    commit(&stored.plans);
     let fitting = Fitting {
         rotation: board::ROTATION,
         compass: outer_config.compass,
     };
     Core {
-        ground: GROUND.init_with(|| task::Ground::new(&parameters, fitting)),
+        ground: GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans)),
+        stored,
         outer,
         inner,
         config,
@@ -86,12 +101,12 @@ pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Co
     }
 }
 
-/// The stored parameters, and whether some are damaged. Where there is one to `store`, does that and
-/// starts anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
+/// What is stored; plans go to the shelf. Where there is a parameter to `store`, does that and starts
+/// anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
 #[inline(never)]
-fn load(storage: Storage, store: Option<ParameterWrite>) -> (Parameters, bool) {
+fn load(storage: Storage, store: Option<ParameterWrite>) -> Stored {
     let mut journal = block_on(Journal::open(storage, STORED)).expect("whole sectors");
-    let loaded = block_on(journal.load(&mut NoPlans));
+    let loaded = block_on(journal.load(&mut Shelf));
     if let Some(write) = store {
         match save(&mut journal, &loaded, &write) {
             Ok(()) => defmt::info!("parameter {=u16} is stored", write.index),
@@ -104,7 +119,25 @@ fn load(storage: Storage, store: Option<ParameterWrite>) -> (Parameters, bool) {
     if damaged {
         defmt::error!("{}", defmt::Display2Format(&loaded.damage));
     }
-    (loaded.parameters, damaged)
+    Stored {
+        parameters: loaded.parameters,
+        plans: loaded.plans,
+        damaged,
+        keeper: Keeper::new(&loaded),
+        journal,
+    }
+}
+
+/// Stored plans are the valid ones from the first step on.
+fn commit(plans: &[MissionCommit; 3]) {
+    shared::with(|shared| {
+        for (kind, plan) in PlanKind::EACH.into_iter().zip(plans) {
+            if plan.count > 0 {
+                let command = Command::Commit(kind, *plan);
+                shared.mailboxes.queues.command.push(command);
+            }
+        }
+    });
 }
 
 /// The outer step with these parameters; where some are damaged, one that does not arm of itself.
@@ -124,6 +157,7 @@ fn outer(parameters: &Parameters, damaged: bool, config: &OuterConfig) -> Outer 
 }
 
 /// Stores one parameter, and whatever a start before did not finish.
+#[inline(never)]
 fn save(journal: &mut Journal<Storage>, loaded: &Loaded, write: &ParameterWrite) -> Result<(), StoreError> {
     let mut keeper = Keeper::new(loaded);
     let mut parameters = loaded.parameters;
@@ -136,7 +170,7 @@ fn save(journal: &mut Journal<Storage>, loaded: &Loaded, write: &ParameterWrite)
         parameters: &parameters,
         plans: loaded.plans,
     };
-    while let Some(task) = keeper.next(&view, &NoPlans) {
+    while let Some(task) = keeper.next(&view, &Shelf) {
         let outcome = block_on(journal.perform(&task));
         keeper.done(outcome);
     }

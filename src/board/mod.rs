@@ -10,7 +10,7 @@ mod speedybee_f405_v4;
 pub use speedybee_f405_v4::{GROUND_LINK_BAUD, Imu, Motors, NAME, ROTATION, light, motors_off, take};
 pub use stm32f405::{
     CYCLES_PER_MICROSECOND, PLANS, STACK, STORED, Storage, clear_core_coupled, on_every_priority, stack_used,
-    uid,
+    uid, watch,
 };
 
 #[cfg(not(feature = "speedybee-f405-v4"))]

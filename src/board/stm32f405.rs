@@ -2,17 +2,22 @@
 
 use core::cell::RefCell;
 use core::ops::Range;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::SCB;
 use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_executor::{InterruptExecutor, SendSpawner, Spawner, raw};
+use embassy_futures::block_on;
 use embassy_stm32::flash::{Bank1Region1, Blocking, Flash};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::pac::FLASH;
+use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_stm32::pac::{FLASH, IWDG, TIM5};
 use embassy_stm32::time::Hertz;
+use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, peripherals, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use embassy_time::Instant;
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use static_cell::StaticCell;
 use windhover_autopilot::mission::PlanMemory;
 
@@ -79,16 +84,117 @@ pub fn count_cycles() {
     processor.DWT.enable_cycle_counter();
 }
 
-/// The first four sectors of the flash, 16 KiB each.
-pub type Storage = BlockingAsync<Bank1Region1<'static, Blocking>>;
+/// The first four sectors of the flash, 16 KiB each. Nothing is changed while motors may turn.
+pub struct Storage(BlockingAsync<Bank1Region1<'static, Blocking>>);
 
-/// Where in [`Storage`] parameters are: sectors 1 to 3 (memory.x), behind the vector table.
+/// Where in [`Storage`] the journal is: sectors 1 to 3 (memory.x), behind the vector table.
 pub const STORED: Range<u32> = 0x4000..0x1_0000;
 
-/// The flash for stored parameters. To write it stops the processor for up to half a second.
+/// The flash for what outlasts power.
 pub fn storage(flash: Peri<'static, peripherals::FLASH>) -> Storage {
     let flash = Flash::new_blocking(flash).into_blocking_regions();
-    BlockingAsync::new(flash.bank1_region1)
+    Storage(BlockingAsync::new(flash.bank1_region1))
+}
+
+impl ErrorType for Storage {
+    type Error = embassy_stm32::flash::Error;
+}
+
+impl ReadNorFlash for Storage {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        self.0.read(offset, bytes).await
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl NorFlash for Storage {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 0x4000;
+
+    /// The processor stands still for half a second, since its code lies in the same flash.
+    /// Time stands still with it: its interrupts come more often than that. The watchdog waits longer
+    /// meanwhile.
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        cortex_m::interrupt::free(|_| {
+            refuse_while_armed()?;
+            let before = relax_watchdog();
+            TIM5.cr1().modify(|control| control.set_cen(false));
+            let outcome = block_on(self.0.erase(from, to));
+            TIM5.cr1().modify(|control| control.set_cen(true));
+            tighten_watchdog(before);
+            outcome
+        })
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        refuse_while_armed()?;
+        // Word by word, 16 µs each: interrupts come in between.
+        self.0.write(offset, bytes).await
+    }
+}
+
+/// Whoever names tasks does not do so while armed; this is the second guard.
+fn refuse_while_armed() -> Result<(), embassy_stm32::flash::Error> {
+    match shared::value(&COUNTERS.armed) {
+        0 => Ok(()),
+        _ => Err(embassy_stm32::flash::Error::Protected),
+    }
+}
+
+/// The watchdog's key for access to its registers, and the one that feeds it.
+const WATCHDOG_ACCESS: u16 = 0x5555;
+const WATCHDOG_FEED: u16 = 0xaaaa;
+
+/// Prescaler 32 in place of 4: 2 s in place of 250 ms.
+const RELAXED: u8 = 3;
+
+/// Gives the watchdog eight times its time, if it runs; its prescaler before.
+fn relax_watchdog() -> Option<u8> {
+    if !WATCHDOG_RUNS.load(Ordering::Relaxed) {
+        return None;
+    }
+    let before = IWDG.pr().read().pr().to_bits();
+    set_watchdog_prescaler(RELAXED);
+    Some(before)
+}
+
+fn tighten_watchdog(before: Option<u8>) {
+    if let Some(before) = before {
+        set_watchdog_prescaler(before);
+    }
+}
+
+/// Sets the prescaler and feeds the watchdog with it. The new value takes five cycles of 30 µs to
+/// arrive; were it not to, the watchdog resets, which is what it is for.
+fn set_watchdog_prescaler(prescaler: u8) {
+    const PATIENCE: u32 = 168_000;
+    IWDG.kr()
+        .write(|key| key.set_key(Key::from_bits(WATCHDOG_ACCESS)));
+    IWDG.pr().write(|value| value.set_pr(Pr::from_bits(prescaler)));
+    for _ in 0..PATIENCE {
+        if !IWDG.sr().read().pvu() {
+            break;
+        }
+    }
+    IWDG.kr().write(|key| key.set_key(Key::from_bits(WATCHDOG_FEED)));
+}
+
+static WATCHDOG_RUNS: AtomicBool = AtomicBool::new(false);
+
+/// Starts the watchdog: it resets when it is not fed for `timeout` µs.
+pub fn watch(
+    watchdog: Peri<'static, peripherals::IWDG>,
+    timeout: u32,
+) -> IndependentWatchdog<'static, peripherals::IWDG> {
+    let mut watchdog = IndependentWatchdog::new(watchdog, timeout);
+    watchdog.unleash();
+    WATCHDOG_RUNS.store(true, Ordering::Relaxed);
+    watchdog
 }
 
 /// Sets the brown-out reset to level 3, 2.7 V, once and for all: below it flash and processor are

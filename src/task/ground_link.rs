@@ -6,19 +6,24 @@ use embassy_futures::select::select;
 use embassy_stm32::usart::{BufferedUart, BufferedUartTx};
 use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
-use windhover_autopilot::Parameters;
+use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_bench_port::{Parser, Request};
 use windhover_flight_log::version;
 use windhover_ground_link::{Address, Config, Link};
+use windhover_storage::View;
 use windhover_vehicle_link::{Fitting, Told, VehicleLink};
 
 use crate::board;
 use crate::fault;
 use crate::shared::{self, COUNTERS};
 use crate::shelf::Shelf;
+use crate::start::Stored;
 
 /// Between two looks at what the core has told.
 const PERIOD: Duration = Duration::from_millis(4);
+
+/// A restart that was asked for waits for so long for what is still to be stored, µs.
+const PATIENCE: u64 = 3_000_000;
 
 /// Bytes that go out at once: an answer to each of a few questions, and telemetry.
 const OUT: usize = 1024;
@@ -28,11 +33,13 @@ pub struct Ground {
     links: [Link; 1],
     vehicle: VehicleLink,
     told: Told,
+    /// A restart was asked for, and comes by then, µs.
+    restart_by: Option<u64>,
 }
 
 impl Ground {
     /// Of a vehicle with these parameters, whose sensors sit like this.
-    pub fn new(parameters: &Parameters, fitting: Fitting) -> Self {
+    pub fn new(parameters: &Parameters, fitting: Fitting, plans: [MissionCommit; 3]) -> Self {
         let mut commit = [0; 8];
         for (to, from) in commit.iter_mut().zip(version::COMMIT.bytes()) {
             *to = from;
@@ -49,8 +56,9 @@ impl Ground {
         });
         Self {
             links: [link],
-            vehicle: VehicleLink::new(parameters, fitting, Default::default()),
+            vehicle: VehicleLink::new(parameters, fitting, plans),
             told: Told::default(),
+            restart_by: None,
         }
     }
 
@@ -60,7 +68,7 @@ impl Ground {
     }
 
     /// Passes on between core and link.
-    fn step(&mut self, now: u64) {
+    fn step(&mut self, stored: &mut Stored, now: u64) {
         let told = &mut self.told;
         shared::with(|shared| shared.told.take_into(told));
         self.vehicle.set_load(shared::value(&COUNTERS.load) as f32 * 1e-3);
@@ -71,8 +79,32 @@ impl Ground {
         if let Some(urgent) = self.vehicle.take_urgent() {
             shared::urge(urgent);
         }
-        if self.vehicle.take_effects().reboot && shared::value(&COUNTERS.armed) == 0 {
+        let effects = self.vehicle.take_effects();
+        if effects.reboot {
+            stored.keeper.hurry();
+            self.restart_by = Some(now + PATIENCE);
+        }
+        if effects.store {
+            stored.keeper.accept();
+        }
+    }
+
+    /// Stores one thing that is not stored yet, if there is one and the vehicle is disarmed.
+    async fn store(&self, stored: &mut Stored, now: u64) {
+        let view = View {
+            time: now,
+            armed: shared::value(&COUNTERS.armed) != 0 || self.vehicle.telemetry().armed,
+            parameters: self.vehicle.parameters(),
+            plans: self.vehicle.committed(),
+        };
+        let task = stored.keeper.next(&view, &Shelf);
+        let restarts = self.restart_by.is_some_and(|by| task.is_none() || now > by);
+        if restarts && !view.armed {
             fault::restart();
+        }
+        if let Some(task) = task {
+            let outcome = stored.journal.perform(&task).await;
+            stored.keeper.done(outcome);
         }
     }
 
@@ -87,7 +119,11 @@ impl Ground {
 
 /// Serves the link for ever.
 #[embassy_executor::task]
-pub async fn ground_link(port: BufferedUart<'static>, ground: &'static mut Ground) {
+pub async fn ground_link(
+    port: BufferedUart<'static>,
+    ground: &'static mut Ground,
+    stored: &'static mut Stored,
+) {
     let (mut sender, mut receiver) = port.split();
     let mut bench = Parser::default();
     let mut bytes = [0; 128];
@@ -108,8 +144,9 @@ pub async fn ground_link(port: BufferedUart<'static>, ground: &'static mut Groun
         }
         let now = Instant::now().as_micros();
         ground.receive(received, now);
-        ground.step(now);
+        ground.step(stored, now);
         send(&mut sender, ground).await;
+        ground.store(stored, now).await;
     }
 }
 

@@ -3,13 +3,14 @@
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
 use embassy_time::Timer;
-use windhover_autopilot::mission::MissionItem;
-use windhover_autopilot::{InnerConfig, OuterConfig, Parameters};
-use windhover_flight_log::{Header, HeaderWriter, PlanKind, mission_crc, version};
+use windhover_autopilot::mission::MissionSource;
+use windhover_autopilot::{InnerConfig, MissionCommit, OuterConfig, Parameters};
+use windhover_flight_log::{Header, HeaderWriter, Plan, PlanKind, version};
 
 use crate::board;
 use crate::fault::Cause;
 use crate::shared;
+use crate::shelf::Shelf;
 
 /// The most bytes that go out in one transfer: 20 ms of the port's time. Behind an outer loop that
 /// takes nearly all of the processor's time there is hardly more than one transfer between two of
@@ -31,11 +32,23 @@ pub struct Start {
     pub outer: OuterConfig,
     /// Why the microcontroller started.
     pub cause: Cause,
+    /// The plans that were stored.
+    pub plans: [MissionCommit; 3],
 }
 
 /// Streams for ever.
 #[embassy_executor::task]
 pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start) {
+    let plans = PlanKind::EACH.into_iter().zip(&start.plans);
+    let plans: heapless::Vec<Plan, 3> = plans
+        .filter(|(_, plan)| plan.count > 0)
+        .map(|(kind, plan)| Plan {
+            kind,
+            slot: plan.slot,
+            count: plan.count,
+        })
+        .collect();
+    let [mission, ..] = &start.plans;
     let header = Header {
         time: start.time,
         commit: version::COMMIT,
@@ -45,11 +58,12 @@ pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start)
         parameters: &start.parameters,
         outer: start.outer,
         reset_cause: &start.cause,
-        mission_crc: mission_crc(core::iter::empty()),
-        plans: &[],
+        mission_crc: mission.crc,
+        plans: &plans,
         more: &[],
     };
-    let mut writer = HeaderWriter::new(header, |_: PlanKind, _: u8, _: u16| None::<MissionItem>);
+    let item = |kind: PlanKind, slot: u8, index: u16| Shelf.item(kind, slot, index);
+    let mut writer = HeaderWriter::new(header, item);
     while let Some(chunk) = writer.chunk() {
         // A port that fails is noticed by the ring that runs full, which counts.
         let _ = port.write(chunk).await;

@@ -157,7 +157,7 @@ impl VehicleLink {
                     let _ = self.inputs.rc.push(frame);
                 }
             }
-            // StoreParameters: what is set is stored as it is.
+            Request::StoreParameters => self.effects.store = true,
             _ => {}
         }
         CommandResult::Accepted

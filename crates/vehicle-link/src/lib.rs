@@ -75,6 +75,8 @@ struct Written {
 pub struct Effects {
     /// Start anew: asked for while disarmed.
     pub reboot: bool,
+    /// Store everything as it is now, also over what was found damaged: a human has looked at it.
+    pub store: bool,
 }
 
 /// A line for people: how grave it is, and what it says.

@@ -5,6 +5,7 @@
 
 mod board;
 mod faults;
+mod ground;
 mod replays;
 
 use std::path::{Path, PathBuf};
