@@ -10,9 +10,13 @@ use clap::Parser;
 use windhover_hil::elf::Elf;
 use windhover_hil::figures::Figures;
 use windhover_hil::flight::{Flight, FlightError, Plan};
+use windhover_hil::parts::rc::Protocol;
 use windhover_hil::rig::fault::Fault;
 use windhover_hil::trouble::{Slow, Trouble};
-use windhover_model::{Conditions, mean_wind_from};
+use windhover_model::sensor::gnss::GnssSite;
+use windhover_model::sensor::suite::SensorSuite;
+use windhover_model::{Conditions, Vehicle, mean_wind_from};
+use windhover_sim::sensors::Sensors;
 use windhover_sim::terminal::{FlightBar, read_vehicle};
 
 /// Where `cargo firmware` puts the firmware.
@@ -47,6 +51,13 @@ struct Cli {
     /// A parameter that is stored before the flight, as IMU_GYRO_RATEMAX=4000; may be repeated
     #[arg(long = "parameter", value_name = "NAME=VALUE", value_parser = parameter)]
     parameters: Vec<(String, f32)>,
+    /// Fly on all sensors of the board, with the errors of real ones; without, the inertial ones are
+    /// ideal and nothing else is on the pins
+    #[arg(long)]
+    sensors: bool,
+    /// A remote control's receiver among the sensors: crsf or sbus
+    #[arg(long, value_name = "PROTOCOL", value_parser = protocol, requires = "sensors")]
+    remote: Option<Protocol>,
     /// A fault on the pins, as imu-unplugged@5+0.3 or data-ready-random; may be repeated
     #[arg(long = "fault", value_name = "NAME[@START[+DURATION]]")]
     faults: Vec<Fault>,
@@ -82,6 +93,14 @@ fn parameter(text: &str) -> Result<(String, f32), String> {
     Ok((name.into(), value))
 }
 
+fn protocol(text: &str) -> Result<Protocol, String> {
+    match text {
+        "crsf" => Ok(Protocol::Crsf),
+        "sbus" => Ok(Protocol::Sbus),
+        _ => Err("there are crsf and sbus".into()),
+    }
+}
+
 fn main() -> ExitCode {
     match run(&Cli::parse()) {
         Ok(good) => ExitCode::from(u8::from(!good)),
@@ -103,6 +122,11 @@ fn plan(cli: &Cli) -> Result<Plan, String> {
         seed: cli.seed,
         ..plan.conditions
     };
+    plan.rig.sensors = cli.sensors.then(|| sensors(&plan.vehicle, cli));
+    plan.rig.remote = cli.remote;
+    if !cli.sensors && cli.faults.iter().any(|fault| fault.kind.is_of_sensors()) {
+        return Err("faults of other than the inertial sensors and of I2C need --sensors".into());
+    }
     plan.rig.faults = cli.faults.clone();
     plan.rig.seed = cli.seed;
     plan.rig.record_every = 0;
@@ -118,6 +142,14 @@ fn plan(cli: &Cli) -> Result<Plan, String> {
             .ok_or_else(|| format!("--parameter {name}={value}: no such parameter, or out of its range"))?;
     }
     Ok(plan)
+}
+
+/// All sensors, at the home of the mission for monitoring.
+fn sensors(vehicle: &Vehicle, cli: &Cli) -> SensorSuite {
+    let rate = cli.parameters.iter().find(|(name, _)| name == "IMU_GYRO_RATEMAX");
+    let rate = rate.map_or(1000, |(_, rate)| *rate as u32).max(1);
+    let home = GnssSite::default().home;
+    Sensors::default().suite(vehicle, home, rate, cli.seed)
 }
 
 /// Flies; whether all went well. The error is one line for the user.

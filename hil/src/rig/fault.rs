@@ -53,6 +53,17 @@ pub enum FaultKind {
     DataReadyRandom,
 }
 
+impl FaultKind {
+    /// Whether it is of what is there only with [`super::Setup::sensors`].
+    pub fn is_of_sensors(self) -> bool {
+        match self {
+            Self::Unplugged(socket) => socket != Socket::Imu,
+            Self::HeldLow(_) => true,
+            _ => false,
+        }
+    }
+}
+
 /// Names in text.
 const NAMES: [(&str, FaultKind); 23] = [
     ("imu-absent", FaultKind::Unplugged(Socket::Imu)),
@@ -201,6 +212,15 @@ fn random_losses(actions: &mut Vec<(u64, Action)>, start: u64, end: u64, seed: u
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_name_is_read() {
+        for (name, kind) in NAMES {
+            assert_eq!(fault(name).kind, kind);
+        }
+        assert!(fault("baro-absent").kind.is_of_sensors() && fault("i2c-data-low").kind.is_of_sensors());
+        assert!(!fault("imu-absent").kind.is_of_sensors() && !fault("babble-usart1").kind.is_of_sensors());
+    }
 
     fn fault(text: &str) -> Fault {
         text.parse().unwrap()

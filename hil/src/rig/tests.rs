@@ -27,14 +27,17 @@ struct Hand {
 
 impl Hand {
     fn new(faults: &[&str]) -> Self {
-        let plant = Vehicle::named("x450").unwrap().plant;
         let faults = faults.iter().map(|text| text.parse().unwrap()).collect();
-        let setup = Setup {
+        Self::with(&Setup {
             faults,
             ..Setup::default()
-        };
+        })
+    }
+
+    fn with(setup: &Setup) -> Self {
+        let plant = Vehicle::named("x450").unwrap().plant;
         Self {
-            rig: Rig::new(world(&plant, &Conditions::default()), &setup),
+            rig: Rig::new(world(&plant, &Conditions::default()), setup),
             now: 0,
             inputs: Inputs::default(),
         }
@@ -42,7 +45,15 @@ impl Hand {
 
     /// With the sensors sampling at 1 kHz, data-ready pushed high.
     fn sampling(faults: &[&str]) -> Self {
-        let mut hand = Self::new(faults);
+        Self::new(faults).started()
+    }
+
+    fn sampling_with(setup: &Setup) -> Self {
+        Self::with(setup).started()
+    }
+
+    fn started(self) -> Self {
+        let mut hand = self;
         hand.wait(2 * MS);
         for [register, value] in [[0x14, 0x03], [0x64, 0x60], [0x65, 0x08], [0x4E, 0x0F]] {
             hand.transaction([register, value]);
@@ -291,4 +302,30 @@ fn the_world_is_that_of_the_desktop() {
         assert_eq!(desktop.truth(), sample.truth);
     }
     assert_eq!(samples.len(), 101);
+}
+
+/// With a suite the inertial sensors have the errors of real ones: noise around one g.
+#[test]
+fn with_sensors_a_vehicle_at_rest_reads_noise_around_one_g() {
+    let vehicle = Vehicle::named("x450").unwrap();
+    let home = windhover_model::sensor::gnss::GnssSite::default().home;
+    let suite = windhover_sim::sensors::Sensors::default().suite(&vehicle, home, 1000, 3);
+    let mut hand = Hand::sampling_with(&Setup {
+        sensors: Some(suite),
+        ..Setup::default()
+    });
+    let down: Vec<i16> = (0..200)
+        .map(|_| {
+            hand.wait(MS);
+            hand.burst()[2]
+        })
+        .collect();
+    let mean = down.iter().map(|counts| f64::from(*counts)).sum::<f64>() / 200.0;
+    assert!((mean - 2048.0).abs() < 100.0, "{mean}");
+    let mut different = down;
+    different.sort_unstable();
+    different.dedup();
+    assert!(different.len() > 5, "{different:?}");
+    let last = hand.rig.record().samples.last().unwrap();
+    assert_ne!(last.counts, ideal_counts(&last.truth));
 }

@@ -6,6 +6,7 @@
 mod board;
 mod faults;
 mod ground;
+mod power;
 mod replays;
 
 use std::path::{Path, PathBuf};
