@@ -47,7 +47,7 @@ pub fn run(args: &SitlArgs) -> Result<bool, String> {
         ended.why, ended.time, ended.speed
     ));
     say(&format!("log: {}", log_name.display()));
-    let report = output::report(&log_name, None)?;
+    let report = output::report(&log_name, Some(&args.out.join("report.html")))?;
     say(&format!("report: {}", report.display()));
     Ok(ended.stopped)
 }

@@ -57,7 +57,8 @@ pub struct WorldArgs {
     )]
     gust: f64,
     /// A push: from T seconds on, a force north, east, down in N, for so many seconds; may be
-    /// repeated, and takes the place of the default ones [default: 30,4,0,0,0.5 and 60,0,4,0,0.5]
+    /// repeated, and takes the place of the default ones [default of fly: 30,4,0,0,0.5 and 60,0,4,0,0.5; of sitl:
+    /// none]
     #[arg(long, value_name = "T,FN,FE,FD,SECONDS", allow_hyphen_values = true)]
     push: Vec<Numbers<5>>,
     /// Payload in kg that the controllers do not know of
