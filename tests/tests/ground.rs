@@ -421,3 +421,17 @@ fn a_kill_stops_the_motors() {
         Phase::Disarmed
     );
 }
+
+/// A series of photos is one in the vehicle's time, however fast that runs.
+#[test]
+fn photos_are_as_far_apart_as_they_are_asked_for_in_a_simulation_that_runs_faster() {
+    let mut station = Station::new(&calm()).hurried(10).ready();
+    station.order(MavCmd::MAV_CMD_IMAGE_START_CAPTURE, with(&[(2, 2.0), (3, 3.0)]));
+    let mut photo = || {
+        let wait = station.wait::<CAMERA_IMAGE_CAPTURED_DATA>(20.0, |_| true);
+        wait.1.time_boot_ms
+    };
+    let times: [u32; 3] = core::array::from_fn(|_| photo());
+    assert!((1990..=2010).contains(&(times[1] - times[0])), "{times:?}");
+    assert!((1990..=2010).contains(&(times[2] - times[1])), "{times:?}");
+}
