@@ -422,6 +422,22 @@ fn a_kill_stops_the_motors() {
     );
 }
 
+/// `DO_CHANGE_SPEED` while it hovers is the speed that it goes somewhere with.
+#[test]
+fn a_speed_that_is_asked_for_is_flown_with() {
+    let mut station = hovering();
+    station.order(MavCmd::MAV_CMD_DO_CHANGE_SPEED, with(&[(1, 1.0), (2, 5.0)]));
+    let there = (47.398_281, 8.545_593_8);
+    station.order(
+        MavCmd::MAV_CMD_DO_REPOSITION,
+        with(&[(1, -1.0), (4, f32::NAN), (5, there.0), (6, there.1), (7, 498.0)]),
+    );
+    station.wait::<LOCAL_POSITION_NED_DATA>(20.0, |at| at.vx > 4.5);
+    let mut grounded = ready();
+    let (result, _) = grounded.command(MavCmd::MAV_CMD_DO_CHANGE_SPEED, with(&[(1, 1.0), (2, 5.0)]));
+    assert_eq!(result, MavResult::MAV_RESULT_TEMPORARILY_REJECTED);
+}
+
 /// A series of photos is one in the vehicle's time, however fast that runs.
 #[test]
 fn photos_are_as_far_apart_as_they_are_asked_for_in_a_simulation_that_runs_faster() {
