@@ -427,7 +427,7 @@ fn a_kill_stops_the_motors() {
 fn a_speed_that_is_asked_for_is_flown_with() {
     let mut station = hovering();
     station.order(MavCmd::MAV_CMD_DO_CHANGE_SPEED, with(&[(1, 1.0), (2, 5.0)]));
-    let there = (47.398_281, 8.545_593_8);
+    let there = (47.398_28, 8.545_594);
     station.order(
         MavCmd::MAV_CMD_DO_REPOSITION,
         with(&[(1, -1.0), (4, f32::NAN), (5, there.0), (6, there.1), (7, 498.0)]),
