@@ -69,7 +69,7 @@ class MavProxy:
 
 def main():
     """All of it."""
-    with tempfile.TemporaryDirectory(prefix="windhover-mavproxy-") as folder, Vehicle(speed=10) as vehicle:
+    with tempfile.TemporaryDirectory(prefix="windhover-mavproxy-") as folder, Vehicle(speed=20) as vehicle:
         folder = pathlib.Path(folder)
         write_waypoints(folder / "mission.txt", plan_items())
         count = len(plan_items())

@@ -6,6 +6,7 @@ usage: pymavlink_services.py
 import socket
 import sys
 import time
+from functools import partial
 
 from sitl import Proxy, Vehicle, expect, free_port, many_items, plan_items
 from station import ARM, NAN, VEHICLE, Station, mav, same
@@ -207,16 +208,30 @@ def air(station):
 
 
 def signing(vehicle):
-    """With a key only those who have it are heeded."""
+    """With a key only those who have it are heeded, until it is taken back."""
     station = Station(f"udpin:127.0.0.1:{vehicle.udp}")
     station.ready()
-    key = bytes(range(32))
-    station.send.setup_signing_send(*VEHICLE, list(key), 10_000_000_000_000)
-    time.sleep(0.3)
-    station.send.command_long_send(*VEHICLE, ARM, 0, 1, 0, 0, 0, 0, 0, 0)
-    expect(station.wait("COMMAND_ACK", seconds=1.0) is None, "an unsigned command is not heeded")
-    station.link.setup_signing(key, sign_outgoing=True, allow_unsigned_callback=lambda *_: True)
-    station.send.signing.timestamp = 20_000_000_000_000
+    key, other_key = bytes(range(32)), bytes(range(1, 33))
+    # 10 µs since 2015: pymavlink believes nothing older than its own clock.
+    station.send.setup_signing_send(*VEHICLE, list(key), int((time.time() - 1_420_070_400) * 1e5))
+    sign = partial(station.link.setup_signing, allow_unsigned_callback=lambda *_: True)
+    sign(key, sign_outgoing=False)
+    station.find("a signed heartbeat", "HEARTBEAT", lambda message: message.get_signed())
+
+    def unheeded(what):
+        station.drain()
+        station.send.command_long_send(*VEHICLE, ARM, 0, 1, 0, 0, 0, 0, 0, 0)
+        expect(station.wait("COMMAND_ACK", seconds=0.5) is None and not station.armed, f"{what} is heeded")
+
+    unheeded("an unsigned command")
+    sign(other_key, sign_outgoing=True)
+    unheeded("a command signed with another key")
+    sign(key, sign_outgoing=True)
+    station.order(ARM, 1)
+    station.order(ARM, 0)
+    station.send.setup_signing_send(*VEHICLE, [0] * 32, 0)
+    station.link.disable_signing()
+    station.find("an unsigned heartbeat", "HEARTBEAT", lambda message: not message.get_signed())
     station.order(ARM, 1)
     station.order(ARM, 0)
     station.close()
@@ -266,6 +281,7 @@ def main():
         print("air")
         # It falls at the end, and its program ends with it.
         air(station)
+        vehicle.child.wait(20)
         station.close()
     print("signing")
     with Vehicle(speed=5) as vehicle:

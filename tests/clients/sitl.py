@@ -36,41 +36,49 @@ class Vehicle:
     def __init__(self, speed=10, options=()):
         self.speed, self.start = speed, time.monotonic()
         self.udp = free_port(socket.SOCK_DGRAM)
-        self.tcp = free_port(socket.SOCK_STREAM)
         self.folder = tempfile.TemporaryDirectory(prefix="windhover-sitl-")
         self.log = pathlib.Path(self.folder.name) / "flight.ulg"
-        self.lines = []
-        self.command = [
+        self.options = options
+
+    def __enter__(self):
+        # Between being found and being used, a port may be taken by somebody else.
+        for _ in range(3):
+            self._launch()
+            if self.begun.wait(20) and self.lines[0].startswith("windhover sitl:"):
+                return self
+            self.child.kill()
+            self.child.wait()
+        self.folder.cleanup()
+        raise RuntimeError(f"the vehicle does not start: {self.lines}")
+
+    def _launch(self):
+        self.tcp = free_port(socket.SOCK_STREAM)
+        command = [
             program(), "sitl",
             "--udp", f"127.0.0.1:{self.udp}",
             "--tcp", str(self.tcp),
-            "--speed", str(speed),
+            "--speed", str(self.speed),
             "--out", self.folder.name,
-            *options,
+            *self.options,
         ]
-
-    def __enter__(self):
-        self.child = subprocess.Popen(
-            self.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
-        self.begun = threading.Event()
-        threading.Thread(target=self._listen, daemon=True).start()
-        if not self.begun.wait(20):
-            self.child.kill()
-            raise RuntimeError(f"the vehicle does not start: {self.lines}")
-        return self
+        self.child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines, self.begun = [], threading.Event()
+        threading.Thread(target=self._listen, args=(self.child, self.lines, self.begun), daemon=True).start()
 
     def elapsed(self):
         """Simulated seconds since the start."""
         return (time.monotonic() - self.start) * self.speed
 
-    def _listen(self):
-        for line in self.child.stdout:
-            self.lines.append(line.rstrip())
-            self.begun.set()
+    @staticmethod
+    def _listen(child, lines, begun):
+        for line in child.stdout:
+            lines.append(line.rstrip())
+            begun.set()
 
     def __exit__(self, kind, *_):
-        if self.child.poll() is None:
+        # One that has fallen has ended by itself.
+        fell = self.child.poll() is not None
+        if not fell:
             self.child.send_signal(signal.SIGINT)
         try:
             self.child.wait(60)
@@ -80,6 +88,8 @@ class Vehicle:
         if kind is not None:
             print("the vehicle said:\n  " + "\n  ".join(self.lines[-60:]))
         else:
+            code = self.child.returncode
+            expect(code == int(fell), f"exit code {code}; the last lines: {self.lines[-5:]}")
             self._replay()
         self.folder.cleanup()
 

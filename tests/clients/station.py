@@ -1,14 +1,18 @@
 """A ground station on pymavlink: the services as a client without habits of its own uses them."""
 
 import math
-import socket
+import os
 import struct
 import time
+from collections import Counter
 
-from pymavlink import mavutil
-from pymavlink.dialects.v20 import common as mav
+# pymavlink speaks MAVLink 1, which has no kinds of plans, unless told so before it is loaded.
+os.environ["MAVLINK20"] = "1"
 
-from sitl import expect
+from pymavlink import mavutil  # noqa: E402
+from pymavlink.dialects.v20 import common as mav  # noqa: E402
+
+from sitl import expect  # noqa: E402
 
 ARM = mav.MAV_CMD_COMPONENT_ARM_DISARM
 VEHICLE = (1, 1)
@@ -23,6 +27,7 @@ class Station:
     """One client of one vehicle."""
 
     def __init__(self, address, system=255):
+        """At pymavlink's `address`; `system` is its own number."""
         self.link = mavutil.mavlink_connection(
             address, source_system=system, source_component=190, autoreconnect=False
         )
@@ -31,9 +36,11 @@ class Station:
         self.photos = []
         self.reached = []
         self.heartbeat = None
-        self.kept = []
+        self.sent, self.answered = Counter(), Counter()
+        self.slowest = 0.0
         self.beat = 0.0
-        expect(self.link.wait_heartbeat(timeout=20) is not None, "a heartbeat comes")
+        # By udpout it is heard first, and hears then.
+        self.until("a heartbeat comes", lambda: self.heartbeat is not None, 20)
 
     def close(self):
         """Goes away."""
@@ -60,6 +67,8 @@ class Station:
             self.reached.append(message.seq)
         elif kind == "HEARTBEAT":
             self.heartbeat = message
+        elif kind == "COMMAND_ACK" and message.result != mav.MAV_RESULT_IN_PROGRESS:
+            self.answered[message.command] += 1
         return message
 
     def wait(self, kinds, fits=lambda message: True, seconds=5.0):
@@ -72,12 +81,52 @@ class Station:
                 return message
         return None
 
+    def find(self, what, kinds, fits=lambda message: True, seconds=20.0):
+        """The next message of these kinds that fits, which must come."""
+        message = self.wait(kinds, fits, seconds)
+        expect(message is not None, f"not within {seconds} s: {what}; texts: {self.texts[-6:]}")
+        return message
+
+    def drain(self, seconds=0.0):
+        """Takes in what has come, and what comes for so long."""
+        end = time.monotonic() + seconds
+        while self.look(0.001) is not None or time.monotonic() < end:
+            pass
+
+    def said(self, words):
+        """Whether a line of text has these words."""
+        return any(words in text for text in self.texts)
+
     def until(self, what, holds, seconds=60.0):
         """Looks until something holds."""
         end = time.monotonic() + seconds
         while not holds():
             expect(time.monotonic() < end, f"not within {seconds} s: {what}; texts: {self.texts[-12:]}")
             self.look()
+
+    def until_mode(self, mode, seconds=60.0):
+        """Looks until the mode is this one."""
+        self.until(f"mode {mode}", lambda: self.mode == mode, seconds)
+
+    def until_told(self, words, seconds=5.0):
+        """Looks until a line of text with these words has come."""
+        self.until(f"a text: {words}", lambda: self.said(words), seconds)
+
+    def until_near(self, what, place, within=1.0, seconds=40.0, send=lambda: None):
+        """Looks until the vehicle is near a place, m north, east and down from home; `None` is anywhere.
+
+        `send` is called again and again until then.
+        """
+        at, end = None, time.monotonic() + seconds
+        while time.monotonic() < end:
+            send()
+            message = self.look(0.02)
+            if message is None or message.get_type() != "LOCAL_POSITION_NED":
+                continue
+            at = (message.x, message.y, message.z)
+            if all(want is None or abs(found - want) < within for found, want in zip(at, place)):
+                return
+        expect(False, f"{what}: not near {place} but at {at}, mode {self.mode}; texts: {self.texts[-6:]}")
 
     @property
     def armed(self):
@@ -90,19 +139,35 @@ class Station:
         custom = self.heartbeat.custom_mode if self.heartbeat is not None else 0
         return custom >> 16 & 0xFF, custom >> 24
 
-    def command(self, command, *params, integers=False):
-        """Sends a command once; its result, and how long that took."""
+    def command(self, command, *params, integers=False, frame=0):
+        """Sends a command once; its result, and how long the first answer took."""
         params = list(params) + [0.0] * (7 - len(params))
+        self.drain()
+        self.sent[command] += 1
         begin = time.monotonic()
         if integers:
             x, y = (int(value) for value in params[4:6])
-            self.send.command_int_send(*VEHICLE, 0, command, 0, 0, *params[:4], x, y, params[6])
+            self.send.command_int_send(*VEHICLE, frame, command, 0, 0, *params[:4], x, y, params[6])
         else:
             self.send.command_long_send(*VEHICLE, command, 0, *params)
         answer = self.wait("COMMAND_ACK", lambda ack: ack.command == command)
         took = time.monotonic() - begin
+        self.slowest = max(self.slowest, took)
+        while answer is not None and answer.result == mav.MAV_RESULT_IN_PROGRESS:
+            answer = self.wait("COMMAND_ACK", lambda ack: ack.command == command)
         expect(answer is not None, f"command {command} is answered")
         return answer.result, took
+
+    def result(self, command, *params, **how):
+        """Sends a command once; its result."""
+        return self.command(command, *params, **how)[0]
+
+    def answered_once(self):
+        """Every command was answered once, and soon: within 100 ms of the vehicle's, on a busy machine 500."""
+        self.drain(0.3)
+        expect(self.answered == self.sent, f"sent {self.sent}, answered {self.answered}")
+        print(f"  {sum(self.sent.values())} commands, slowest answer {self.slowest * 1000:.1f} ms")
+        expect(self.slowest < 0.5, "the slowest answer took too long")
 
     def order(self, command, *params):
         """A command that is to be accepted."""
@@ -118,6 +183,25 @@ class Station:
         bit = mav.MAV_SYS_STATUS_PREARM_CHECK
         healthy = self.wait("SYS_STATUS", lambda status: status.onboard_control_sensors_health & bit, 60)
         expect(healthy is not None, "it can be armed")
+
+    def home(self):
+        """Where home is: 1e-7 degrees, and m above the sea."""
+        self.order(mav.MAV_CMD_REQUEST_MESSAGE, mav.MAVLINK_MSG_ID_HOME_POSITION)
+        home = self.find("home", "HOME_POSITION")
+        return home.latitude, home.longitude, home.altitude * 1e-3
+
+    def place(self, north, east, height):
+        """A place so many m from home, as parameters 5 to 7 of a command with integers, m above the sea."""
+        latitude, longitude, altitude = self.home()
+        per_metre = 89.83
+        shrunk = per_metre / math.cos(math.radians(latitude * 1e-7))
+        return latitude + round(north * per_metre), longitude + round(east * shrunk), altitude + height
+
+    def local(self):
+        """North, east and down from home, m."""
+        self.drain()
+        at = self.find("a position", "LOCAL_POSITION_NED")
+        return at.x, at.y, at.z
 
     def parameter(self, name, value=None):
         """Reads a parameter by its name, or sets it; what the vehicle then has."""
@@ -184,4 +268,4 @@ def same(one, other):
 
 
 NAN = math.nan
-__all__ = ["ARM", "NAN", "Station", "VEHICLE", "bits", "mav", "same", "socket"]
+__all__ = ["ARM", "NAN", "Station", "VEHICLE", "bits", "mav", "same"]

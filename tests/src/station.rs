@@ -59,6 +59,8 @@ pub struct Station {
     losses: Option<Losses>,
     /// Simulated time, µs.
     pub now: u64,
+    /// How much faster simulated time runs than the clock of the links.
+    speed: u64,
     /// All that came and was not looked at yet.
     pub seen: VecDeque<Seen>,
     /// Lines of text that came.
@@ -81,6 +83,7 @@ impl Station {
             parser: Parser::default(),
             losses: None,
             now: 0,
+            speed: 1,
             seen: VecDeque::new(),
             texts: Vec::new(),
             heartbeat: (false, 0, 0),
@@ -96,6 +99,18 @@ impl Station {
             share,
         });
         self
+    }
+
+    /// The same in a simulation that runs so many times faster than the clock.
+    #[must_use]
+    pub fn hurried(mut self, speed: u64) -> Self {
+        self.speed = speed;
+        self
+    }
+
+    /// The clock of the links, µs.
+    fn clock(&self) -> u64 {
+        self.now / self.speed
     }
 
     fn is_lost(&mut self) -> bool {
@@ -115,17 +130,18 @@ impl Station {
         let mut frame = [0; MAX_FRAME];
         let length = self.writer.write(&mut frame, id, payload, None).expect("a frame");
         if !self.is_lost() {
-            self.served.receive_packet(LINK, &frame[..length], self.now);
+            let clock = self.clock();
+            self.served.receive_packet(LINK, &frame[..length], clock);
         }
     }
 
     /// One outer period.
     pub fn step(&mut self) {
-        self.served.step(self.now);
+        self.served.step(self.clock());
         self.now += STEP;
-        let mut frames = Vec::new();
+        let (clock, mut frames) = (self.clock(), Vec::new());
         self.served
-            .poll(LINK, self.now, &mut |frame| frames.push(frame.to_vec()));
+            .poll(LINK, clock, &mut |frame| frames.push(frame.to_vec()));
         for frame in frames {
             if self.is_lost() {
                 continue;

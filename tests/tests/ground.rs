@@ -421,3 +421,33 @@ fn a_kill_stops_the_motors() {
         Phase::Disarmed
     );
 }
+
+/// `DO_CHANGE_SPEED` while it hovers is the speed that it goes somewhere with.
+#[test]
+fn a_speed_that_is_asked_for_is_flown_with() {
+    let mut station = hovering();
+    station.order(MavCmd::MAV_CMD_DO_CHANGE_SPEED, with(&[(1, 1.0), (2, 5.0)]));
+    let there = (47.398_28, 8.545_594);
+    station.order(
+        MavCmd::MAV_CMD_DO_REPOSITION,
+        with(&[(1, -1.0), (4, f32::NAN), (5, there.0), (6, there.1), (7, 498.0)]),
+    );
+    station.wait::<LOCAL_POSITION_NED_DATA>(20.0, |at| at.vx > 4.5);
+    let mut grounded = ready();
+    let (result, _) = grounded.command(MavCmd::MAV_CMD_DO_CHANGE_SPEED, with(&[(1, 1.0), (2, 5.0)]));
+    assert_eq!(result, MavResult::MAV_RESULT_TEMPORARILY_REJECTED);
+}
+
+/// A series of photos is one in the vehicle's time, however fast that runs.
+#[test]
+fn photos_are_as_far_apart_as_they_are_asked_for_in_a_simulation_that_runs_faster() {
+    let mut station = Station::new(&calm()).hurried(10).ready();
+    station.order(MavCmd::MAV_CMD_IMAGE_START_CAPTURE, with(&[(2, 2.0), (3, 3.0)]));
+    let mut photo = || {
+        let wait = station.wait::<CAMERA_IMAGE_CAPTURED_DATA>(20.0, |_| true);
+        wait.1.time_boot_ms
+    };
+    let times: [u32; 3] = core::array::from_fn(|_| photo());
+    assert!((1990..=2010).contains(&(times[1] - times[0])), "{times:?}");
+    assert!((1990..=2010).contains(&(times[2] - times[1])), "{times:?}");
+}

@@ -8,18 +8,26 @@ use crate::hash;
 use crate::packages::install_debian;
 use crate::process::{Outcome, cargo, root, run, target_directory};
 
-/// The packages with their exact versions.
-const PACKAGES: [&str; 4] = [
+/// The packages with their exact versions: all that they need, and nothing that only windows, maps and
+/// plots of theirs would.
+const PACKAGES: [&str; 9] = [
     "pyulog==1.3.0",
+    "numpy==2.4.6",
     "pymavlink==2.4.50",
+    "lxml==6.1.3",
+    "fastcrc==0.5.0",
     "MAVProxy==1.8.75",
+    "pyserial==3.5",
+    "defusedxml==0.7.1",
     "mavsdk==4.1.0",
 ];
 
 /// What ground stations do with the simulated vehicle, a program each.
-const CLIENTS: [&str; 4] = [
+const CLIENTS: [&str; 6] = [
     "pymavlink_monitoring.py",
     "pymavlink_services.py",
+    "pymavlink_plans.py",
+    "pymavlink_flight.py",
     "mavsdk_flight.py",
     "mavproxy_flight.py",
 ];
@@ -83,7 +91,14 @@ fn environment() -> Result<PathBuf, String> {
     }
     let mut pip = Command::new(&python);
     run(pip
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--no-deps",
+        ])
         .args(PACKAGES))?;
     Ok(python)
 }

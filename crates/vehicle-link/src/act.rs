@@ -62,9 +62,14 @@ impl VehicleLink {
         }
     }
 
+    /// Photos follow the vehicle's own clock, which in a simulation may run faster than the links'.
+    fn clock(&self, now: u64) -> u64 {
+        self.telemetry.time.unwrap_or(now)
+    }
+
     pub(crate) fn take_photos(&mut self, now: u64) {
         let position = self.report.estimate.position;
-        if self.has_room() && self.shutter.is_due(now, position) {
+        if self.has_room() && self.shutter.is_due(self.clock(now), position) {
             self.ask(Command::TakePhoto, None, now);
         }
     }
@@ -134,7 +139,7 @@ impl VehicleLink {
                 self.urgent = Some(Urgent::Kill);
                 tell(links, say, Severity::Critical, format_args!("Motors killed"));
             }
-            Request::TakePhotos { interval, count } => self.shutter.start(interval, count, now),
+            Request::TakePhotos { interval, count } => self.shutter.start(interval, count, self.clock(now)),
             Request::PhotosByDistance { distance } => {
                 self.shutter.by_distance(distance, self.report.estimate.position);
             }

@@ -315,6 +315,8 @@ pub struct Modes {
     mission: Option<MissionExecutor>,
     /// Where hold is sent when it is entered.
     pub target: Option<Target>,
+    /// Ground speed to where hold is sent, m/s, until the flight is over; `None` leaves it to a parameter.
+    pub speed: Option<f32>,
     /// Where takeoff leads; `None` leaves it to a parameter.
     pub takeoff: (Option<Altitude>, Option<f32>),
     /// The item that a mission starts with.

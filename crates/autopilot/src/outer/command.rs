@@ -192,7 +192,7 @@ impl Outer {
         // Entered anew, wherever hold was going.
         self.modes.reenter();
         self.modes.target = Some(Target {
-            speed: target.speed.filter(|speed| *speed > 0.0),
+            speed: target.speed.filter(|speed| *speed > 0.0).or(self.modes.speed),
             ..*target
         });
         Ok(())
@@ -302,12 +302,21 @@ impl Outer {
         Ok(())
     }
 
+    /// Another ground speed from the next leg on: of the mission, and of where hold is sent.
     fn set_speed(&mut self, speed: Option<f32>) -> Result<(), Why> {
         finite(speed)?;
-        let Some(mission) = self.modes.mission_mut() else {
-            return Err(Why::Blocked(Blockers::of(Blocker::NoMission)));
-        };
-        mission.set_speed(speed.filter(|speed| *speed > 0.0));
+        let speed = speed.filter(|speed| *speed > 0.0);
+        let flies = self.supervisor.phase() == Phase::Flying;
+        let mission = self.modes.mission_mut();
+        if !flies && mission.is_none() {
+            return Err(Why::OnGround);
+        }
+        if let Some(mission) = mission {
+            mission.set_speed(speed);
+        }
+        if flies {
+            self.modes.speed = speed;
+        }
         Ok(())
     }
 
