@@ -10,10 +10,11 @@
 //!
 //! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
 //! - [`pulse`]: pulses for electronic speed controllers.
-//! - [`crsf`]: frames of a receiver of the remote control.
+//! - [`crsf`], [`sbus`]: frames of a receiver of the remote control.
 #![no_std]
 
 pub mod crsf;
 pub mod icm42688p;
 pub mod pulse;
 mod rc_channels;
+pub mod sbus;
