@@ -1,6 +1,7 @@
 //! The remote control's wire: what a receiver sends, as the model makes it, is read; nothing else.
 
 mod crsf;
+mod receiver;
 mod sbus;
 
 use proptest::prelude::*;
