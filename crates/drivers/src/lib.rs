@@ -10,7 +10,12 @@
 //!
 //! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
 //! - [`pulse`]: pulses for electronic speed controllers.
+//! - [`rc_receiver`]: a receiver of the remote control, which speaks [`crsf`] or [`sbus`].
 #![no_std]
 
+pub mod crsf;
 pub mod icm42688p;
 pub mod pulse;
+mod rc_channels;
+pub mod rc_receiver;
+pub mod sbus;

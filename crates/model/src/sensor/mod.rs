@@ -11,7 +11,8 @@
 //! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
 //! - [`compass`]: the magnetic field.
 //! - [`gnss`]: position and velocity over ground, late, as messages [`nav_pvt`].
-//! - [`battery`]: voltage under load and current; [`rc`]: the pilot's sticks.
+//! - [`battery`]: voltage under load and current; [`rc`]: the pilot's sticks,
+//!   on the wire as [`crsf`] and [`sbus`].
 //! - [`fault`]: faults by name; [`injection`]: how they act.
 //! - [`suite`]: all sensors of a vehicle together, each at its [`rate`].
 //! - [`mounting`]: how a part sits; [`noise`]: walks, correlated noise, filters.
@@ -19,6 +20,7 @@
 pub mod barometer;
 pub mod battery;
 pub mod compass;
+pub mod crsf;
 pub mod fault;
 pub mod gnss;
 pub mod icm42688p;
@@ -29,6 +31,7 @@ pub mod nav_pvt;
 pub mod noise;
 pub mod rate;
 pub mod rc;
+pub mod sbus;
 pub mod spl06;
 pub mod suite;
 

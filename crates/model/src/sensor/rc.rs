@@ -81,3 +81,35 @@ impl Rc {
         (self.connected && !lost).then_some(frame)
     }
 }
+
+/// Channels of a frame on the wire, 11 bits each, the first in the lowest bits: as CRSF and SBUS
+/// have them.
+pub fn pack(channels: &[u16; CHANNELS]) -> [u8; 22] {
+    let mut bytes = [0; 22];
+    for (n, channel) in channels.iter().enumerate() {
+        for bit in 0..11 {
+            let place = 11 * n + bit;
+            bytes[place / 8] |= ((channel >> bit & 1) as u8) << (place % 8);
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the first bytes as the specification draws them, written out by hand.
+    #[test]
+    fn channels_are_packed_from_the_lowest_bit() {
+        let mut channels = [0; CHANNELS];
+        channels[0] = 0b101_0101_0011;
+        channels[1] = 0b110_0000_0001;
+        let bytes = pack(&channels);
+        assert_eq!(bytes[..3], [0b0101_0011, 0b0000_1101, 0b0011_0000]);
+        assert!(bytes[3..].iter().all(|byte| *byte == 0));
+        channels = [0; CHANNELS];
+        channels[15] = 0b100_0000_0001;
+        assert_eq!(pack(&channels)[20..], [0b0010_0000, 0b1000_0000]);
+    }
+}
