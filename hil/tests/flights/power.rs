@@ -20,7 +20,7 @@ fn write(value: f32) -> Request {
 fn stored() -> Flight {
     let mut flight = Flight::new(firmware(), &plan(1.0)).expect("the firmware runs");
     flight.prepare().expect("nothing that it must not do");
-    flight.send(write(2.0));
+    flight.send(write(2.5));
     flight
         .run(flight.machine.now() + 2 * SECOND)
         .expect("it is stored");
@@ -34,7 +34,8 @@ fn power_that_fails_during_a_write_leaves_a_board_that_boots() {
     let before = {
         let mut flight = stored();
         let before = flight.machine.bus().flash_operations();
-        flight.send(write(3.0));
+        assert!(before > 0, "the first value is stored");
+        flight.send(write(3.5));
         flight
             .run(flight.machine.now() + 2 * SECOND)
             .expect("it is stored");
@@ -46,7 +47,7 @@ fn power_that_fails_during_a_write_leaves_a_board_that_boots() {
     for operation in before.step_by(every) {
         let mut flight = stored();
         flight.machine.bus().cut_power_at(operation);
-        flight.send(write(3.0));
+        flight.send(write(3.5));
         let stop = flight.run(flight.machine.now() + 2 * SECOND);
         assert!(
             matches!(stop, Err(FlightError::Stop(Stop::PowerFailure { .. }))),
