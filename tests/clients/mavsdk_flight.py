@@ -9,7 +9,7 @@ import time
 
 from mavsdk import ComponentType, Configuration, Mavsdk
 from mavsdk.plugins.action import Action
-from mavsdk.plugins.mission_raw import MissionItem, MissionRaw
+from mavsdk.plugins.mission_raw import MissionItem, MissionRaw, MissionRawError
 from mavsdk.plugins.offboard import Offboard, PositionNedYaw, VelocityNedYaw
 from mavsdk.plugins.param import Param
 from mavsdk.plugins.telemetry import FlightMode, LandedState, Telemetry
@@ -134,9 +134,9 @@ def lossy(loss, count, upload, download, seed):
             if download:
                 back = mission.download_mission()
                 came = len(back) == count and all(map(same, items, back))
-        except Exception as error:  # MAVSDK's own, after its five tries
+        except MissionRawError as error:  # after its five tries
             came = False
-            print(f"  seed {seed}: {error}")
+            print(f"  seed {seed}: {error.result.name} in {error.origin}")
         mavsdk.destroy()
         proxy.close()
         return came
