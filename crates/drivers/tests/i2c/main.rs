@@ -1,0 +1,4 @@
+//! Drivers of parts on I2C against models of the parts' registers.
+
+mod bus;
+mod spl06;
