@@ -54,6 +54,9 @@ class Station:
         message = self.link.recv_match(blocking=True, timeout=timeout)
         if message is None or message.get_srcSystem() != VEHICLE[0]:
             return None
+        # What is told to another station comes by the same socket.
+        if getattr(message, "target_system", 0) not in (0, self.link.source_system):
+            return None
         kind = message.get_type()
         if kind == "STATUSTEXT":
             # What is long comes in chunks.

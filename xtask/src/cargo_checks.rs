@@ -6,7 +6,7 @@ use crate::process::{Outcome, cargo, root, run, target_directory};
 use crate::toolchain::BOARD;
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 10] = [
+const CORE: [&str; 11] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
@@ -17,6 +17,7 @@ const CORE: [&str; 10] = [
     "windhover-storage",
     "windhover-bench-port",
     "windhover-ground-link",
+    "windhover-vehicle-link",
 ];
 
 /// What exists on the board only; its desktop `main` only says so.

@@ -4,7 +4,7 @@
 //! Firmware and desktop run the same code. Whoever runs the outer step tells [`Told`] each result;
 //! whoever serves the links, at a lower priority, does this every few milliseconds:
 //!
-//! 1. [`VehicleLink::receive`] with the bytes of each [`Link`](windhover_ground_link::Link);
+//! 1. [`VehicleLink::receive`] with the bytes of each [`Link`];
 //! 2. [`VehicleLink::step`] with what was told since the last time;
 //! 3. [`VehicleLink::take_inputs`] into the core's queues, [`VehicleLink::take_urgent`] into its latch;
 //! 4. [`VehicleLink::poll`] for the bytes that each link sends.
