@@ -9,7 +9,7 @@
 //! the calls in a time-out. Dropping a call half-way is safe.
 //!
 //! - [`spl06`]: the barometer Goertek SPL06-001 on I2C; [`ist8310`]: the compass iSentek IST8310
-//!   there; [`i2c_part`]: what both say of their state.
+//!   there; [`i2c_part`]: what both say of their state; [`i2c_recovery`]: how their bus is freed.
 //! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
 //! - [`pulse`]: pulses for electronic speed controllers.
 //! - [`rc_receiver`]: a receiver of the remote control, which speaks [`crsf`] or [`sbus`].
@@ -17,6 +17,7 @@
 
 pub mod crsf;
 pub mod i2c_part;
+pub mod i2c_recovery;
 pub mod icm42688p;
 pub mod ist8310;
 pub mod pulse;
