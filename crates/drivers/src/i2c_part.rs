@@ -1,10 +1,12 @@
-//! What the parts on I2C have in common: their state, and how they are begun anew.
+//! What the drivers of parts on I2C have in common: transfers, and when to begin anew.
 //!
 //! The bus blocks, and its transfers are to have a time-out of their own. A driver makes at most
 //! two short transfers a call, never waits, and leaves a part that does not answer alone for
 //! [`RETRY_US`].
 
 use embedded_hal::i2c::{Error, ErrorKind, I2c};
+
+use crate::health::Health;
 
 /// How long a part that failed is left alone, in µs.
 pub const RETRY_US: u64 = 1_000_000;
@@ -14,27 +16,6 @@ pub const MOST_FAILURES: u8 = 5;
 
 /// From a transfer that failed to the next one, in µs.
 const PAUSE_US: u64 = 5_000;
-
-/// How a part is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Health {
-    /// Nothing acknowledges its address.
-    Absent,
-    /// Transfers fail, and not by a missing acknowledgement: the lines may be held.
-    BusFault,
-    /// Something answers that is another part.
-    WrongPart {
-        /// What it says it is.
-        identity: u8,
-    },
-    /// It answers, but gets not ready, forgets its configuration or measures no more.
-    Stuck,
-    /// It is being set up.
-    Configuring,
-    /// It measures.
-    Working,
-}
 
 /// Why a step failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

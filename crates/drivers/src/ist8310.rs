@@ -7,7 +7,7 @@
 
 use embedded_hal::i2c::I2c;
 
-pub use crate::i2c_part::Health;
+pub use crate::health::Health;
 use crate::i2c_part::{Trouble, Watch, read, write};
 
 /// The part's address, as it leaves the factory.

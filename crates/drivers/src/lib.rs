@@ -8,15 +8,19 @@
 //! transactions, and never panics. A bus that does not complete is the owner's to notice: wrap
 //! the calls in a time-out. Dropping a call half-way is safe.
 //!
-//! - [`spl06`]: the barometer Goertek SPL06-001 on I2C; [`ist8310`]: the compass iSentek IST8310
-//!   there; [`i2c_part`]: what both say of their state.
 //! - [`icm42688p`]: the inertial measurement unit TDK ICM-42688-P on SPI.
+//! - [`spl06`], [`ist8310`]: barometer and compass on I2C; [`i2c_part`]: what both have in common;
+//!   [`i2c_recovery`]: how their bus is freed.
+//! - [`ublox`]: a satellite receiver on a serial port.
+//! - [`health`]: how a part is.
 //! - [`pulse`]: pulses for electronic speed controllers.
 //! - [`rc_receiver`]: a receiver of the remote control, which speaks [`crsf`] or [`sbus`].
 #![no_std]
 
 pub mod crsf;
+pub mod health;
 pub mod i2c_part;
+pub mod i2c_recovery;
 pub mod icm42688p;
 pub mod ist8310;
 pub mod pulse;
@@ -24,3 +28,4 @@ mod rc_channels;
 pub mod rc_receiver;
 pub mod sbus;
 pub mod spl06;
+pub mod ublox;

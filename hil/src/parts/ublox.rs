@@ -8,8 +8,9 @@
 mod configuration;
 
 use windhover_model::sensor::nav_pvt::NavPvt;
+use windhover_model::sensor::ubx;
 
-use super::{nmea, ubx};
+use super::nmea;
 use crate::board::line::{Format, Frame};
 use crate::rig::serial::Port;
 use crate::time::{NEVER, SECOND};

@@ -2,8 +2,8 @@
 
 use windhover_hil::board::Pin;
 use windhover_hil::parts::rc::Protocol;
-use windhover_hil::parts::ubx;
 use windhover_hil::time::SECOND;
+use windhover_model::sensor::ubx;
 
 use super::desk::{Desk, MS};
 

@@ -10,7 +10,7 @@ mod compensation;
 use compensation::{COEFFICIENT_BYTES, Coefficients, raw};
 use embedded_hal::i2c::I2c;
 
-pub use crate::i2c_part::Health;
+pub use crate::health::Health;
 use crate::i2c_part::{Trouble, Watch, read, write};
 
 /// The part's address with SDO low.

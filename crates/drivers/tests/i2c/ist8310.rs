@@ -1,6 +1,7 @@
 //! The compass: start, results, faults.
 
-use windhover_drivers::i2c_part::{Health, MOST_FAILURES, RETRY_US};
+use windhover_drivers::health::Health;
+use windhover_drivers::i2c_part::{MOST_FAILURES, RETRY_US};
 use windhover_drivers::ist8310::{ADDRESS, CompassReading, Ist8310};
 
 use super::bus::{Bus, Fault, Registers};

@@ -1,6 +1,7 @@
 //! The barometer: start, results, faults.
 
-use windhover_drivers::i2c_part::{Health, MOST_FAILURES, RETRY_US};
+use windhover_drivers::health::Health;
+use windhover_drivers::i2c_part::{MOST_FAILURES, RETRY_US};
 use windhover_drivers::spl06::{ADDRESS, BarometerReading, Spl06};
 use windhover_model::sensor::spl06::{Coefficients, Formula, Oversampling};
 

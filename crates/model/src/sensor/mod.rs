@@ -10,7 +10,8 @@
 //!   the vehicle. [`inertial`]: what it measures.
 //! - [`barometer`], [`spl06`]: the pressure of the air, and the formula of the part.
 //! - [`compass`]: the magnetic field.
-//! - [`gnss`]: position and velocity over ground, late, as messages [`nav_pvt`].
+//! - [`gnss`]: position and velocity over ground, late, as messages [`nav_pvt`], on the wire as
+//!   [`ubx`].
 //! - [`battery`]: voltage under load and current; [`rc`]: the pilot's sticks,
 //!   on the wire as [`crsf`] and [`sbus`].
 //! - [`fault`]: faults by name; [`injection`]: how they act.
@@ -34,6 +35,7 @@ pub mod rc;
 pub mod sbus;
 pub mod spl06;
 pub mod suite;
+pub mod ubx;
 
 /// Streams of random numbers, one a sensor. 0 is the wind's.
 mod stream {

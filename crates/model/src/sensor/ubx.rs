@@ -1,7 +1,7 @@
 //! The protocol UBX on the line: frames, and the message NAV-PVT (u-blox M10, interface
 //! description: UBX protocol, UBX-NAV-PVT).
 
-use windhover_model::sensor::nav_pvt::NavPvt;
+use super::nav_pvt::NavPvt;
 
 /// What a frame begins with.
 const SYNC: [u8; 2] = [0xB5, 0x62];
