@@ -126,7 +126,7 @@ pub struct MotorParts {
 /// Sets up everything but the motors, whose pins stay low.
 pub fn take() -> Board {
     static RECEIVED: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; _]);
-    static SENT: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; _]);
+    static SENT: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; _]);
     stm32f405::set_brown_out_level_3();
     let p = embassy_stm32::init(stm32f405::config());
     stm32f405::count_cycles();
