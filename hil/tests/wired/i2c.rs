@@ -93,18 +93,24 @@ impl Desk {
     }
 
     pub fn load<const N: usize>(&mut self, address: u8, register: u8) -> Result<[u8; N], Failure> {
+        let mut bytes = [0; N];
+        self.load_to(address, register, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    pub fn load_to(&mut self, address: u8, register: u8, bytes: &mut [u8]) -> Result<(), Failure> {
         let until = self.now + 2 * MS;
         self.send(address, &[register], until)?;
         self.address(address << 1 | 1, ACK, until)?;
-        let mut bytes = [0; N];
+        let last = bytes.len() - 1;
         for (n, byte) in bytes.iter_mut().enumerate() {
-            if n + 1 == N {
+            if n == last {
                 self.modify(CR1, |cr| cr & !ACK | STOP);
             }
             self.await_flag(RXNE, until)?;
             *byte = self.read(DR) as u8;
         }
-        Ok(bytes)
+        Ok(())
     }
 }
 

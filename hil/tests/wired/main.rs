@@ -3,6 +3,7 @@
 
 mod battery;
 mod desk;
+mod drivers;
 mod i2c;
 mod recovery;
 mod serial;

@@ -9,7 +9,7 @@ const BUSY: u32 = 1 << 1;
 const SWRST: u32 = 1 << 15;
 
 impl Desk {
-    fn data(&mut self) -> bool {
+    pub fn data(&mut self) -> bool {
         self.read(GPIOB + IDR) >> 9 & 1 == 1
     }
 

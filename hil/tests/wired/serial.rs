@@ -8,7 +8,7 @@ use windhover_model::sensor::ubx;
 use super::desk::{Desk, MS};
 
 const USART2: u32 = 0x4000_4400;
-const USART6: u32 = 0x4001_1400;
+pub const USART6: u32 = 0x4001_1400;
 const SR: u32 = 0x00;
 const DR: u32 = 0x04;
 const RXNE: u32 = 1 << 5;
@@ -17,11 +17,11 @@ const TXE: u32 = 1 << 7;
 const WRONG: u32 = 3;
 
 /// What a port is set to: bits of CR1, of CR2.
-const PLAIN: (u32, u32) = (0, 0);
+pub const PLAIN: (u32, u32) = (0, 0);
 const EVEN: (u32, u32) = (1 << 12 | 1 << 10, 2 << 12);
 
 impl Desk {
-    fn open(&mut self, port: u32, baud: u32, (control, stop): (u32, u32)) {
+    pub fn open(&mut self, port: u32, baud: u32, (control, stop): (u32, u32)) {
         let (transmit, receive, function) = match port {
             USART2 => (Pin::new('A', 2), Pin::new('A', 3), 7),
             _ => (Pin::new('C', 6), Pin::new('C', 7), 8),
@@ -35,7 +35,7 @@ impl Desk {
     }
 
     /// Bytes that come within a time, and how many of them were flagged.
-    fn listen(&mut self, port: u32, time: u64) -> (Vec<u8>, usize) {
+    pub fn listen(&mut self, port: u32, time: u64) -> (Vec<u8>, usize) {
         let (end, mut bytes, mut wrong) = (self.now + time, vec![], 0);
         while self.now < end {
             let status = self.read(port + SR);
@@ -48,7 +48,7 @@ impl Desk {
         (bytes, wrong)
     }
 
-    fn say(&mut self, port: u32, bytes: &[u8]) {
+    pub fn say(&mut self, port: u32, bytes: &[u8]) {
         for byte in bytes {
             while self.read(port + SR) & TXE == 0 {
                 self.wait(SECOND / 100_000);
