@@ -5,7 +5,7 @@
 //! | interrupts | drivers | DMA, timers, data-ready |
 //! | inner executor | `inner_loop`: sample to motors | data-ready, at most 1.5 periods |
 //! | outer executor | `outer_loop`: snapshot to result | a snapshot |
-//! | thread | `log_stream`, `ground_link`, `health` | bytes, time |
+//! | thread | `log_stream`, `ground_link`, `gnss`, `remote`, `slow_sensors`, `health` | bytes, time |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -60,7 +60,13 @@ fn main() -> ! {
         inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
         outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
         thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
-        thread.spawn(task::ground_link(board.ground_link, ground, stored).expect("spawned once"));
+        let (receiver, sender) = board.ground_link;
+        thread.spawn(task::ground_link(receiver, ground, stored).expect("spawned once"));
+        thread.spawn(task::ground_sender(sender).expect("spawned once"));
+        let (receiver, sender) = board.gnss;
+        thread.spawn(task::gnss(receiver, sender).expect("spawned once"));
+        thread.spawn(task::remote(board.remote).expect("spawned once"));
+        thread.spawn(task::slow_sensors(board.sensor_bus, board.battery).expect("spawned once"));
         thread.spawn(task::health(board.light).expect("spawned once"));
     })
 }

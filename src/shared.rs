@@ -13,7 +13,7 @@ use windhover_flight_log::Logger;
 use windhover_vehicle_link::Told;
 
 /// Bytes that the log may hold while its port is busy: 1.2 s at 1 kHz.
-pub const LOG_BYTES: usize = 49_152;
+pub const LOG_BYTES: usize = 24_576;
 
 /// The log as the firmware keeps it.
 pub type FlightLog = Logger<LOG_BYTES, &'static mut [u8; LOG_BYTES]>;

@@ -10,20 +10,27 @@
 //! | M3 | PB0 | TIM3 channel 3 |
 //! | M4 | PB1 | TIM3 channel 4 |
 //! | log | TX PC10 | USART3, D1S3 |
-//! | ground link | RX PA10, TX PA9 | USART1 |
+//! | ground link | RX PA10, TX PA9 | USART1, D2S2 and D2S7 |
+//! | satellite receiver | RX PC7, TX PC6 | USART6, D2S1 and D2S6 |
+//! | remote control | RX PA3 | USART2, D1S5 |
+//! | barometer, compass | SCL PB8, SDA PB9 | I2C1 |
+//! | battery | voltage PC0, current PC1 | ADC1 |
 //! | light | PC13, on when low | |
 
+use embassy_stm32::adc::{Adc, SampleTime};
 use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::mode::Async;
 use embassy_stm32::pac::gpio::vals::{Moder, Ot};
-use embassy_stm32::pac::{EXTI, GPIOB, GPIOC, RCC, SYSCFG};
-use embassy_stm32::peripherals::{IWDG, PB0, PB1, PB6, PB7, TIM3, TIM4, USART1};
+use embassy_stm32::pac::{self, EXTI, GPIOB, GPIOC, RCC, SYSCFG};
+use embassy_stm32::peripherals::{
+    ADC1, IWDG, PB0, PB1, PB6, PB7, PC0, PC1, TIM3, TIM4, USART1, USART2, USART6,
+};
 use embassy_stm32::spi::{self, Spi};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
-use embassy_stm32::usart::{self, BufferedUart, UartTx};
+use embassy_stm32::usart::{self, Uart, UartRx, UartTx};
 use embassy_stm32::{Peri, bind_interrupts, dma, interrupt, peripherals};
 use embassy_time::Instant;
 use static_cell::ConstStaticCell;
@@ -32,6 +39,8 @@ use windhover_autopilot::sensing::BoardRotation;
 use windhover_drivers::icm42688p::Icm42688p;
 use windhover_drivers::pulse;
 
+use super::sensor_bus::SensorBus;
+use super::serial::{SerialReceiver, baud};
 use super::stm32f405;
 use crate::shared::DATA_READY;
 
@@ -57,7 +66,14 @@ bind_interrupts!(struct Interrupts {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
     DMA2_STREAM3 => dma::InterruptHandler<peripherals::DMA2_CH3>;
     DMA1_STREAM3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
-    USART1 => usart::BufferedInterruptHandler<USART1>;
+    DMA1_STREAM5 => dma::InterruptHandler<peripherals::DMA1_CH5>;
+    DMA2_STREAM1 => dma::InterruptHandler<peripherals::DMA2_CH1>;
+    DMA2_STREAM2 => dma::InterruptHandler<peripherals::DMA2_CH2>;
+    DMA2_STREAM6 => dma::InterruptHandler<peripherals::DMA2_CH6>;
+    DMA2_STREAM7 => dma::InterruptHandler<peripherals::DMA2_CH7>;
+    USART1 => usart::InterruptHandler<USART1>;
+    USART2 => usart::InterruptHandler<USART2>;
+    USART6 => usart::InterruptHandler<USART6>;
 });
 
 /// Drives the motor pins low, and holds the timers behind them in reset: an electronic speed
@@ -104,13 +120,40 @@ pub struct Board {
     /// Where the log goes.
     pub log: UartTx<'static, Async>,
     /// The port to ground stations.
-    pub ground_link: BufferedUart<'static>,
+    pub ground_link: (SerialReceiver, UartTx<'static, Async>),
+    /// The port of the satellite receiver.
+    pub gnss: (SerialReceiver, UartTx<'static, Async>),
+    /// The port of the remote control's receiver.
+    pub remote: SerialReceiver,
+    /// The bus of barometer and compass.
+    pub sensor_bus: SensorBus,
+    /// The battery's voltage and current.
+    pub battery: BatteryInputs,
     /// The light.
     pub light: Output<'static>,
     /// The watchdog, not running yet.
     pub watchdog: Peri<'static, IWDG>,
     /// The flash that parameters are stored in.
     pub storage: stm32f405::Storage,
+}
+
+/// The battery's two inputs.
+pub struct BatteryInputs {
+    converter: Adc<'static, ADC1>,
+    voltage: Peri<'static, PC0>,
+    current: Peri<'static, PC1>,
+}
+
+impl BatteryInputs {
+    /// Counts of voltage and current. Takes 50 µs.
+    pub fn read(&mut self) -> [u16; 2] {
+        [
+            self.converter
+                .blocking_read(&mut self.voltage, SampleTime::CYCLES480),
+            self.converter
+                .blocking_read(&mut self.current, SampleTime::CYCLES480),
+        ]
+    }
 }
 
 /// Pins and timers of the motors, before their pulse rate is known.
@@ -125,8 +168,9 @@ pub struct MotorParts {
 
 /// Sets up everything but the motors, whose pins stay low.
 pub fn take() -> Board {
-    static RECEIVED: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; _]);
-    static SENT: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; _]);
+    static GROUND: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; _]);
+    static GNSS: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; _]);
+    static REMOTE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; _]);
     stm32f405::set_brown_out_level_3();
     let p = embassy_stm32::init(stm32f405::config());
     stm32f405::count_cycles();
@@ -138,6 +182,43 @@ pub fn take() -> Board {
     );
     let select = Output::new(p.PA4, Level::High, Speed::VeryHigh);
     listen_to_data_ready();
+    // SAFETY (of each clone): the HAL's receiver holds its channel and never uses it.
+    let ground_link = {
+        let stream = dma::Channel::new(unsafe { p.DMA2_CH2.clone_unchecked() }, Interrupts);
+        let port = Uart::new(
+            p.USART1,
+            p.PA10,
+            p.PA9,
+            p.DMA2_CH7,
+            p.DMA2_CH2,
+            Interrupts,
+            baud(GROUND_LINK_BAUD),
+        );
+        let (sender, receiver) = port.expect("115,200 baud are possible").split();
+        let receiver = SerialReceiver::new(receiver, pac::USART1, stream, 4, GROUND.take());
+        (receiver, sender)
+    };
+    let gnss = {
+        let stream = dma::Channel::new(unsafe { p.DMA2_CH1.clone_unchecked() }, Interrupts);
+        let port = Uart::new(
+            p.USART6,
+            p.PC7,
+            p.PC6,
+            p.DMA2_CH6,
+            p.DMA2_CH1,
+            Interrupts,
+            baud(115_200),
+        );
+        let (sender, receiver) = port.expect("115,200 baud are possible").split();
+        let receiver = SerialReceiver::new(receiver, pac::USART6, stream, 5, GNSS.take());
+        (receiver, sender)
+    };
+    let remote = {
+        let stream = dma::Channel::new(unsafe { p.DMA1_CH5.clone_unchecked() }, Interrupts);
+        let port = UartRx::new(p.USART2, p.PA3, p.DMA1_CH5, Interrupts, baud(420_000));
+        let receiver = port.expect("420,000 baud are 100 cycles of the port's clock");
+        SerialReceiver::new(receiver, pac::USART2, stream, 4, REMOTE.take())
+    };
     Board {
         imu: Icm42688p::new(bus, select),
         motors: MotorParts {
@@ -150,26 +231,19 @@ pub fn take() -> Board {
         },
         log: UartTx::new(p.USART3, p.PC10, p.DMA1_CH3, Interrupts, baud(2_000_000))
             .expect("2 Mbaud are 21 cycles of the port's clock"),
-        ground_link: BufferedUart::new(
-            p.USART1,
-            p.PA10,
-            p.PA9,
-            SENT.take(),
-            RECEIVED.take(),
-            Interrupts,
-            baud(GROUND_LINK_BAUD),
-        )
-        .expect("115,200 baud are possible"),
+        ground_link,
+        gnss,
+        remote,
+        sensor_bus: SensorBus::new(p.I2C1, p.PB8, p.PB9),
+        battery: BatteryInputs {
+            converter: Adc::new(p.ADC1),
+            voltage: p.PC0,
+            current: p.PC1,
+        },
         light: Output::new(p.PC13, light(false), Speed::Low),
         watchdog: p.IWDG,
         storage: stm32f405::storage(p.FLASH),
     }
-}
-
-fn baud(rate: u32) -> usart::Config {
-    let mut config = usart::Config::default();
-    config.baudrate = rate;
-    config
 }
 
 /// The inertial sensors' data-ready line is PC4: EXTI line 4, rising edge.

@@ -261,9 +261,6 @@ pub fn on_every_priority(spawn: impl FnOnce(SendSpawner, SendSpawner, Spawner)) 
     // The context is what embassy-executor's pender takes for "wake the thread".
     let thread = THREAD.init(raw::Executor::new(usize::MAX as *mut ()));
     interrupt::CAN1_TX.set_priority(Priority::P4);
-    // Above the outer loop: a port without a queue of its own loses a byte when it waits for longer
-    // than the next one takes, 87 us, and with the byte a frame, which may be one that disarms.
-    interrupt::USART1.set_priority(Priority::P6);
     interrupt::CAN1_RX0.set_priority(Priority::P8);
     spawn(
         INNER.start(interrupt::CAN1_TX),

@@ -2,10 +2,11 @@
 //!
 //! Bench tests speak by the same port: their frames are no MAVLink, nor the other way round.
 
-use embassy_futures::select::select;
-use embassy_stm32::usart::{BufferedUart, BufferedUartTx};
-use embassy_time::{Duration, Instant, Timer};
-use embedded_io_async::{Read, Write};
+use embassy_stm32::mode::Async;
+use embassy_stm32::usart::UartTx;
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::pipe::Pipe;
+use embassy_time::{Duration, Instant, Ticker};
 use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_bench_port::{Parser, Request};
 use windhover_flight_log::version;
@@ -13,20 +14,33 @@ use windhover_ground_link::{Address, Config, Link};
 use windhover_storage::View;
 use windhover_vehicle_link::{Fitting, Told, VehicleLink};
 
-use crate::board;
+use crate::board::{self, SerialReceiver};
 use crate::fault;
 use crate::shared::{self, COUNTERS};
 use crate::shelf::Shelf;
 use crate::start::Stored;
 
-/// Between two looks at what the core has told.
-const PERIOD: Duration = Duration::from_millis(4);
+/// Between two looks at what has come, and at what the core has told: 58 bytes of the port's time. By
+/// the clock and not by the byte: a port on which something babbles gets no more of the processor.
+const PERIOD: Duration = Duration::from_millis(5);
+
+/// Bytes that are looked at each time: twice what can come.
+const LOOKED_AT: usize = 128;
+
+/// Looks from one comparison of what is stored with what the core has to the next: 50 ms.
+const STORE_EVERY: u32 = 10;
 
 /// A restart that was asked for waits for so long for what is still to be stored, µs.
 const PATIENCE: u64 = 3_000_000;
 
-/// Bytes that go out at once: an answer to each of a few questions, and telemetry.
+/// Bytes on their way out: an answer to each of a few questions, and telemetry.
 const OUT: usize = 1024;
+
+/// Bytes of one transfer, 11 ms of the port's time.
+const CHUNK: usize = 128;
+
+/// From the link to the port's DMA.
+static OUTGOING: Pipe<ThreadModeRawMutex, OUT> = Pipe::new();
 
 /// The links and the vehicle's end of them.
 pub struct Ground {
@@ -108,35 +122,31 @@ impl Ground {
         }
     }
 
-    /// What is to be sent; what does not fit is lost, as on any radio.
-    fn poll(&mut self, now: u64, out: &mut heapless::Vec<u8, OUT>) {
+    /// What is to be sent; a frame that does not fit is lost, as on any radio.
+    fn poll(&mut self, now: u64) {
         let [link] = &mut self.links;
         self.vehicle.poll(link, now, &mut Shelf, &mut |frame| {
-            let _ = out.extend_from_slice(frame);
+            if frame.len() <= OUTGOING.free_capacity() {
+                let mut rest = frame;
+                // Twice at its end: what is taken at once does not go around the ring's end.
+                while let Ok(count @ 1..) = OUTGOING.try_write(rest) {
+                    rest = rest.get(count..).unwrap_or_default();
+                }
+            }
         });
     }
 }
 
 /// Serves the link for ever.
 #[embassy_executor::task]
-pub async fn ground_link(
-    port: BufferedUart<'static>,
-    ground: &'static mut Ground,
-    stored: &'static mut Stored,
-) {
-    let (mut sender, mut receiver) = port.split();
+pub async fn ground_link(mut port: SerialReceiver, ground: &'static mut Ground, stored: &'static mut Stored) {
     let mut bench = Parser::default();
-    let mut bytes = [0; 128];
-    let mut count = 0;
-    loop {
-        let now = Instant::now();
-        let due = Timer::at(now + PERIOD);
-        // A read that is dropped has taken nothing.
-        select(due, async {
-            count = receiver.read(&mut bytes).await.unwrap_or(0)
-        })
-        .await;
-        let received = bytes.get(..core::mem::take(&mut count)).unwrap_or_default();
+    let mut bytes = [0; LOOKED_AT];
+    let mut ticker = Ticker::every(PERIOD);
+    for look in (0..STORE_EVERY).cycle() {
+        ticker.next().await;
+        let count = port.take(&mut bytes).count;
+        let received = bytes.get(..count).unwrap_or_default();
         for byte in received {
             if let Some(request) = bench.push(*byte) {
                 act(request);
@@ -145,16 +155,21 @@ pub async fn ground_link(
         let now = Instant::now().as_micros();
         ground.receive(received, now);
         ground.step(stored, now);
-        send(&mut sender, ground).await;
-        ground.store(stored, now).await;
+        ground.poll(now);
+        if look == 0 {
+            ground.store(stored, now).await;
+        }
     }
 }
 
-async fn send(sender: &mut BufferedUartTx<'static>, ground: &mut Ground) {
-    let mut out = heapless::Vec::new();
-    ground.poll(Instant::now().as_micros(), &mut out);
-    // A port that fails has nobody at its other end.
-    let _ = sender.write_all(&out).await;
+/// Sends for ever what the link has to send. A port that fails has nobody at its other end.
+#[embassy_executor::task]
+pub async fn ground_sender(mut port: UartTx<'static, Async>) {
+    let mut bytes = [0; CHUNK];
+    loop {
+        let count = OUTGOING.read(&mut bytes).await;
+        let _ = port.write(bytes.get(..count).unwrap_or_default()).await;
+    }
 }
 
 fn act(request: Request) {
