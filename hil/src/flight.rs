@@ -211,9 +211,19 @@ impl Flight {
             }
             self.run(asked + step * SETPOINT_PERIOD)?;
         }
+        self.begin_figures();
+        Ok(self.turns())
+    }
+
+    /// What is said of the flight counts from now on.
+    pub fn begin_figures(&mut self) {
         self.begin = self.machine.now();
         self.load_before = self.machine.load().clone();
-        Ok(self.turns())
+    }
+
+    /// Whether all motors stand still.
+    pub fn stopped(&self) -> bool {
+        !self.turns()
     }
 
     fn ask_for_motors(&mut self) {

@@ -6,8 +6,10 @@
 mod board;
 mod faults;
 mod ground;
+mod monitoring;
 mod power;
 mod replays;
+mod station;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

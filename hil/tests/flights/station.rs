@@ -1,0 +1,321 @@
+//! A ground station at the serial port of the emulated board: frames, in virtual time.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use mavlink::dialects::common::*;
+use mavlink::{MavlinkVersion, MessageData};
+use windhover_autopilot::mission::MissionItem;
+use windhover_ground_link::Address;
+use windhover_ground_link::frame::{MAX_FRAME, Parser, Writer};
+use windhover_hil::flight::{Flight, Plan};
+use windhover_hil::time::SECOND;
+use windhover_sim::mission_file;
+
+use crate::firmware;
+
+/// Between two looks at the port.
+const LOOK: u64 = SECOND / 100;
+
+/// A message as it came.
+struct Seen {
+    id: u32,
+    payload: Vec<u8>,
+}
+
+impl Seen {
+    fn read<M: MessageData>(&self) -> Option<M> {
+        (self.id == M::ID).then(|| M::deser(MavlinkVersion::V2, &self.payload).expect("a valid message"))
+    }
+}
+
+/// A board and a ground station that says once a second that it is there.
+pub struct Station {
+    pub flight: Flight,
+    writer: Writer,
+    parser: Parser,
+    seen: VecDeque<Seen>,
+    /// Lines of text that came.
+    pub texts: Vec<String>,
+    /// Whether the vehicle says that it is armed.
+    pub armed: bool,
+    /// Photos that were told.
+    pub photos: usize,
+    next_heartbeat: u64,
+}
+
+impl Station {
+    /// At power-on.
+    pub fn new(plan: &Plan) -> Self {
+        Self {
+            flight: Flight::new(firmware(), plan).expect("the firmware runs"),
+            writer: Writer::new(Address {
+                system: 255,
+                component: 190,
+            }),
+            parser: Parser::default(),
+            seen: VecDeque::new(),
+            texts: Vec::new(),
+            armed: false,
+            photos: 0,
+            next_heartbeat: 0,
+        }
+    }
+
+    /// Virtual time, s since the first power-on.
+    pub fn time(&self) -> f64 {
+        self.flight.machine.now() as f64 / SECOND as f64
+    }
+
+    /// Sends a message.
+    pub fn send<M: MessageData>(&mut self, message: &M) {
+        let mut payload = [0; 255];
+        let length = message.ser(MavlinkVersion::V2, &mut payload);
+        self.raw(M::ID, &payload[..length]);
+    }
+
+    fn raw(&mut self, id: u32, payload: &[u8]) {
+        let mut frame = [0; MAX_FRAME];
+        let length = self.writer.write(&mut frame, id, payload, None).expect("a frame");
+        let now = self.flight.machine.now();
+        self.flight.machine.bus().wiring.send(now, &frame[..length]);
+    }
+
+    /// One look.
+    fn step(&mut self) {
+        if self.flight.machine.now() >= self.next_heartbeat {
+            self.next_heartbeat = self.flight.machine.now() + SECOND;
+            self.send(&HEARTBEAT_DATA {
+                mavtype: MavType::MAV_TYPE_GCS,
+                mavlink_version: 3,
+                ..HEARTBEAT_DATA::default()
+            });
+        }
+        let until = self.flight.machine.now() + LOOK;
+        self.flight.run(until).expect("nothing that it must not do");
+        let answers = self.flight.machine.bus().wiring.take_answers();
+        let bytes: Vec<u8> = answers.into_iter().map(|(_, byte)| byte).collect();
+        let mut came = Vec::new();
+        self.parser.feed(&bytes, |frame| {
+            came.push(Seen {
+                id: frame.id,
+                payload: frame.payload.to_vec(),
+            });
+        });
+        came.into_iter().for_each(|seen| self.look(seen));
+    }
+
+    /// Takes in what is looked at by the way, and keeps the rest for whoever waits for it.
+    fn look(&mut self, seen: Seen) {
+        if let Some(heartbeat) = seen.read::<HEARTBEAT_DATA>() {
+            self.armed = heartbeat
+                .base_mode
+                .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
+        }
+        if let Some(text) = seen.read::<STATUSTEXT_DATA>() {
+            self.texts
+                .push(text.text.to_str().unwrap_or_default().to_string());
+        }
+        self.photos += usize::from(seen.id == CAMERA_IMAGE_CAPTURED_DATA::ID);
+        self.seen.push_back(seen);
+        // Streams that nobody waits for.
+        self.seen.drain(..self.seen.len().saturating_sub(500));
+    }
+
+    /// Time goes on, s.
+    pub fn run(&mut self, seconds: f64) {
+        let until = self.flight.machine.now() + (seconds * SECOND as f64) as u64;
+        while self.flight.machine.now() < until {
+            self.step();
+        }
+    }
+
+    /// Steps until something holds.
+    pub fn until(&mut self, seconds: f64, what: &str, holds: impl Fn(&Self) -> bool) {
+        let until = self.flight.machine.now() + (seconds * SECOND as f64) as u64;
+        while !holds(self) {
+            assert!(
+                self.flight.machine.now() < until,
+                "not within {seconds} s: {what}; texts: {:#?}; the firmware said {:#?}",
+                self.texts,
+                self.flight.lines
+            );
+            self.step();
+        }
+    }
+
+    /// Waits for a message that fits.
+    pub fn wait<M: MessageData>(&mut self, seconds: f64, fits: impl Fn(&M) -> bool) -> M {
+        let until = self.flight.machine.now() + (seconds * SECOND as f64) as u64;
+        loop {
+            while let Some(seen) = self.seen.pop_front() {
+                if let Some(message) = seen.read::<M>().filter(|message| fits(message)) {
+                    return message;
+                }
+            }
+            assert!(
+                self.flight.machine.now() < until,
+                "no {} within {seconds} s; texts: {:#?}; the firmware said {:#?}",
+                M::NAME,
+                self.texts,
+                self.flight.lines
+            );
+            self.step();
+        }
+    }
+
+    /// Sends a command; its answer.
+    pub fn command(&mut self, command: MavCmd, params: [f32; 7]) -> MavResult {
+        let [param1, param2, param3, param4, param5, param6, param7] = params;
+        self.send(&COMMAND_LONG_DATA {
+            param1,
+            param2,
+            param3,
+            param4,
+            param5,
+            param6,
+            param7,
+            command,
+            target_system: 1,
+            target_component: 1,
+            confirmation: 0,
+        });
+        let fits = |ack: &COMMAND_ACK_DATA| ack.command == command;
+        self.wait::<COMMAND_ACK_DATA>(5.0, fits).result
+    }
+
+    /// Arms, as soon as nothing speaks against it.
+    pub fn arm(&mut self, seconds: f64) {
+        let until = self.time() + seconds;
+        let ask = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        while self.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, ask) != MavResult::MAV_RESULT_ACCEPTED {
+            assert!(
+                self.time() < until,
+                "it does not arm: {:#?}; the firmware said {:#?}",
+                self.texts,
+                self.flight.lines
+            );
+            self.run(1.0);
+        }
+    }
+
+    /// Uploads the items as the mission: gives what is asked for.
+    pub fn upload(&mut self, items: &[MissionItem]) -> MavMissionResult {
+        self.seen.clear();
+        self.send(&MISSION_COUNT_DATA {
+            count: items.len() as u16,
+            target_system: 1,
+            target_component: 1,
+            ..MISSION_COUNT_DATA::default()
+        });
+        for _ in 0..3000 {
+            while let Some(seen) = self.seen.pop_front() {
+                if let Some(ask) = seen.read::<MISSION_REQUEST_INT_DATA>() {
+                    let item = &items[usize::from(ask.seq)];
+                    self.raw(MISSION_ITEM_INT_DATA::ID, &item_payload(ask.seq, item));
+                }
+                if let Some(ack) = seen.read::<MISSION_ACK_DATA>() {
+                    return ack.mavtype;
+                }
+            }
+            self.step();
+        }
+        panic!("the upload does not end");
+    }
+
+    /// Downloads the mission, each item as its payload without the target.
+    pub fn download(&mut self) -> Vec<Vec<u8>> {
+        self.send(&MISSION_REQUEST_LIST_DATA {
+            target_system: 1,
+            target_component: 1,
+            ..MISSION_REQUEST_LIST_DATA::default()
+        });
+        let count = self.wait::<MISSION_COUNT_DATA>(5.0, |_| true).count;
+        let item = |station: &mut Self, seq| {
+            station.send(&MISSION_REQUEST_INT_DATA {
+                seq,
+                target_system: 1,
+                target_component: 1,
+                ..MISSION_REQUEST_INT_DATA::default()
+            });
+            let item = station.wait::<MISSION_ITEM_INT_DATA>(5.0, |item| item.seq == seq);
+            let mut payload = [0; 255];
+            item.ser(MavlinkVersion::V2, &mut payload);
+            kept(&payload)
+        };
+        (0..count).map(|seq| item(self, seq)).collect()
+    }
+
+    /// Asks for a parameter by its name.
+    pub fn parameter(&mut self, name: &str) -> f32 {
+        self.send(&PARAM_REQUEST_READ_DATA {
+            param_index: -1,
+            target_system: 1,
+            target_component: 1,
+            param_id: name.into(),
+        });
+        self.value(name)
+    }
+
+    /// Sets a parameter.
+    pub fn set_parameter(&mut self, name: &str, value: f32) {
+        self.send(&PARAM_SET_DATA {
+            param_value: value,
+            target_system: 1,
+            target_component: 1,
+            param_id: name.into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        });
+        assert_eq!(self.value(name), value, "{name}");
+    }
+
+    fn value(&mut self, name: &str) -> f32 {
+        let fits = |value: &PARAM_VALUE_DATA| value.param_id.to_str() == Ok(name);
+        self.wait::<PARAM_VALUE_DATA>(5.0, fits).param_value
+    }
+
+    /// Power is away for a moment.
+    pub fn power_cycle(&mut self) {
+        self.flight.machine.power_cycle();
+        self.flight.machine.bus().wiring.take_answers();
+        self.parser = Parser::default();
+        self.seen.clear();
+        self.armed = false;
+        self.photos = 0;
+        self.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+    }
+}
+
+/// `MISSION_ITEM_INT`.
+fn item_payload(seq: u16, item: &MissionItem) -> Vec<u8> {
+    let mut payload = Vec::new();
+    for param in item.params {
+        payload.extend(param.to_le_bytes());
+    }
+    payload.extend(item.x.to_le_bytes());
+    payload.extend(item.y.to_le_bytes());
+    payload.extend(item.z.to_le_bytes());
+    payload.extend(seq.to_le_bytes());
+    payload.extend(item.command.to_le_bytes());
+    payload.extend([1, 1, item.frame, 0, u8::from(item.autocontinue), 0]);
+    payload
+}
+
+/// What a download gives of an item: all but whom it is for and whether it is the current one.
+fn kept(payload: &[u8]) -> Vec<u8> {
+    [&payload[..32], &payload[34..35], &payload[36..37]].concat()
+}
+
+/// What [`Station::download`] is to give.
+pub fn downloaded(items: &[MissionItem]) -> Vec<Vec<u8>> {
+    let items = items.iter().enumerate();
+    let payload = |(seq, item): (usize, &MissionItem)| kept(&item_payload(seq as u16, item)[..]);
+    items.map(payload).collect()
+}
+
+/// `missions/monitoring.plan`.
+pub fn monitoring() -> Vec<MissionItem> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let file = mission_file::read(&root.join("missions/monitoring.plan")).expect("it is read");
+    file.stored().mission
+}
