@@ -4,8 +4,9 @@
 //! |---|---|---|
 //! | interrupts | drivers | DMA, timers, data-ready |
 //! | inner executor | `inner_loop`: sample to motors | data-ready, at most 1.5 periods |
+//! | log executor | `log_stream`: ring to port | time, DMA |
 //! | outer executor | `outer_loop`: snapshot to result | a snapshot |
-//! | thread | `log_stream`, `ground_link`, `gnss`, `remote`, `slow_sensors`, `health` | bytes, time |
+//! | thread | `ground_link`, `gnss`, `remote`, `slow_sensors`, `health` | bytes, time |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -56,10 +57,10 @@ fn main() -> ! {
     let state = task::InnerLoop::new(config, inner, motors);
     let watchdog = board::watch(board.watchdog, WATCHDOG);
 
-    board::on_every_priority(|inner, outer_spawner, thread| {
+    board::on_every_priority(|inner, log, outer_spawner, thread| {
         inner.spawn(task::inner_loop(state, board.imu, config).expect("spawned once"));
         outer_spawner.spawn(task::outer_loop(outer, logging, watchdog).expect("spawned once"));
-        thread.spawn(task::log_stream(board.log, start).expect("spawned once"));
+        log.spawn(task::log_stream(board.log, start).expect("spawned once"));
         let (receiver, sender) = board.ground_link;
         thread.spawn(task::ground_link(receiver, ground, stored).expect("spawned once"));
         thread.spawn(task::ground_sender(sender).expect("spawned once"));

@@ -12,8 +12,8 @@ use windhover_autopilot::{Mailboxes, Urgent};
 use windhover_flight_log::Logger;
 use windhover_vehicle_link::Told;
 
-/// Bytes that the log may hold while its port is busy: 1.2 s at 1 kHz.
-pub const LOG_BYTES: usize = 24_576;
+/// Bytes that the log may hold while its port is busy: most of it while the header goes out.
+pub const LOG_BYTES: usize = 14_336;
 
 /// The log as the firmware keeps it.
 pub type FlightLog = Logger<LOG_BYTES, &'static mut [u8; LOG_BYTES]>;

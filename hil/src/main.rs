@@ -20,7 +20,7 @@ use windhover_sim::sensors::Sensors;
 use windhover_sim::terminal::{FlightBar, read_vehicle};
 
 /// Where `cargo firmware` puts the firmware.
-const FIRMWARE: &str = "target/thumbv7em-none-eabihf/release/windhover-firmware";
+const FIRMWARE: &str = "target/thumbv7em-none-eabihf/firmware/windhover-firmware";
 
 /// Fly the firmware, as it is flashed, on an emulated board: it boots, arms, holds commanded
 /// attitudes, and disarms. Its log is written and replayed on the desktop.

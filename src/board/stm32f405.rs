@@ -37,6 +37,9 @@ const PAINT: u32 = 0xcccc_cccc;
 /// that no board uses; software raises it.
 pub static INNER: InterruptExecutor = InterruptExecutor::new();
 
+/// The executor of the log.
+pub static LOG: InterruptExecutor = InterruptExecutor::new();
+
 /// The executor of the outer loop.
 pub static OUTER: InterruptExecutor = InterruptExecutor::new();
 
@@ -50,6 +53,12 @@ unsafe fn CAN1_TX() {
 unsafe fn CAN1_RX0() {
     // SAFETY: this is the interrupt that `OUTER` was started with.
     unsafe { OUTER.on_interrupt() }
+}
+
+#[embassy_stm32::interrupt]
+unsafe fn CAN1_RX1() {
+    // SAFETY: this is the interrupt that `LOG` was started with.
+    unsafe { LOG.on_interrupt() }
 }
 
 /// 168 MHz from a crystal of 8 MHz; APB1 at 42 MHz, APB2 at 84 MHz, all timers at 84 or 168 MHz.
@@ -254,16 +263,21 @@ pub fn clear_core_coupled() {
     }
 }
 
-/// Starts the three executors: `spawn` gets those of the inner loop, of the outer loop and of the
-/// thread, which runs for ever and sleeps while there is nothing to do.
-pub fn on_every_priority(spawn: impl FnOnce(SendSpawner, SendSpawner, Spawner)) -> ! {
+/// Starts the four executors: `spawn` gets those of the inner loop, of the log, of the outer loop and
+/// of the thread, which runs for ever and sleeps while there is nothing to do.
+///
+/// The log is above the outer loop: it takes little time, and is to have it also where that loop takes
+/// nearly all there is, which is when one wants to read it.
+pub fn on_every_priority(spawn: impl FnOnce(SendSpawner, SendSpawner, SendSpawner, Spawner)) -> ! {
     static THREAD: StaticCell<raw::Executor> = StaticCell::new();
     // The context is what embassy-executor's pender takes for "wake the thread".
     let thread = THREAD.init(raw::Executor::new(usize::MAX as *mut ()));
     interrupt::CAN1_TX.set_priority(Priority::P4);
+    interrupt::CAN1_RX1.set_priority(Priority::P6);
     interrupt::CAN1_RX0.set_priority(Priority::P8);
     spawn(
         INNER.start(interrupt::CAN1_TX),
+        LOG.start(interrupt::CAN1_RX1),
         OUTER.start(interrupt::CAN1_RX0),
         thread.spawner(),
     );

@@ -12,10 +12,8 @@ use crate::fault::Cause;
 use crate::shared;
 use crate::shelf::Shelf;
 
-/// The most bytes that go out in one transfer: 20 ms of the port's time. Behind an outer loop that
-/// takes nearly all of the processor's time there is hardly more than one transfer between two of
-/// its steps.
-const CHUNK: usize = 4096;
+/// The most bytes that go out in one transfer: 10 ms of the port's time.
+const CHUNK: usize = 2048;
 
 /// Bytes that are taken out of the log at once, while interrupts are off.
 const PIECE: usize = 256;

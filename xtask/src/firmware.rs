@@ -32,7 +32,9 @@ pub fn check() -> Outcome {
 /// Builds by the alias that users type, and says where the ELF is.
 pub fn build() -> Result<PathBuf, String> {
     run(&mut cargo(["firmware", "--locked"]))?;
-    Ok(target_directory()?.join(BOARD).join("release/windhover-firmware"))
+    Ok(target_directory()?
+        .join(BOARD)
+        .join("firmware/windhover-firmware"))
 }
 
 /// What in the layout would not boot, or would be lost when parameters are stored.

@@ -39,7 +39,7 @@ fn firmware() -> Arc<Elf> {
             built.is_ok_and(|status| status.success()),
             "cargo firmware failed"
         );
-        let file: PathBuf = target.join("thumbv7em-none-eabihf/release/windhover-firmware");
+        let file: PathBuf = target.join("thumbv7em-none-eabihf/firmware/windhover-firmware");
         Arc::new(Elf::load(&file).expect("cargo firmware wrote it"))
     });
     elf.clone()
