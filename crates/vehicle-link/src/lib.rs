@@ -26,6 +26,7 @@ mod setpoint;
 mod shutter;
 mod state;
 mod told;
+mod trouble;
 
 use heapless::Deque;
 use windhover_autopilot::{
@@ -108,6 +109,8 @@ pub struct VehicleLink {
     station: Option<u64>,
     /// Share of the processor's time that is used, 0 to 1.
     load: f32,
+    /// What ended the last run, if it was to be told.
+    trouble: &'static str,
 }
 
 impl VehicleLink {
@@ -133,7 +136,16 @@ impl VehicleLink {
             wanted: None,
             station: None,
             load: 0.0,
+            trouble: "",
         }
+    }
+
+    /// The same after a start that nobody wanted: `trouble` is what ended the last run. Each ground
+    /// station that comes is told, as long as the vehicle is disarmed.
+    #[must_use]
+    pub fn after_trouble(mut self, trouble: &'static str) -> Self {
+        self.trouble = trouble;
+        self
     }
 
     /// The parameters as the core has them, as far as it has answered.
@@ -212,6 +224,7 @@ impl VehicleLink {
         self.calibrate(links, told, now, say);
         self.write_parameters(now);
         self.take_photos(now);
+        self.tell_trouble(links);
         for index in 0..links.len() {
             self.serve(links, index, now, say);
         }

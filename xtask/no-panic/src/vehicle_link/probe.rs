@@ -25,11 +25,8 @@ extern "C" fn reset() -> ! {
     let (links, vehicle, plans, told) = unsafe { (&mut *links, &mut *vehicle, &mut *plans, &mut *told) };
     let links = links.write([Link::new(black_box(Config::default()))]);
     let parameters = black_box(Parameters::default());
-    let vehicle = vehicle.write(VehicleLink::new(
-        &parameters,
-        Fitting::default(),
-        Default::default(),
-    ));
+    let fresh = VehicleLink::new(&parameters, Fitting::default(), Default::default());
+    let vehicle = vehicle.write(fresh.after_trouble(black_box("panic")));
     let told = told.write(Told::default());
     let bytes = [0; 64];
     let mut taken = Told::default();
