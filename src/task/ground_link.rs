@@ -52,8 +52,14 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Of a vehicle with these parameters, whose sensors sit like this.
-    pub fn new(parameters: &Parameters, fitting: Fitting, plans: [MissionCommit; 3]) -> Self {
+    /// Of a vehicle with these parameters, whose sensors sit like this. `trouble` is what ended its last
+    /// run, or nothing.
+    pub fn new(
+        parameters: &Parameters,
+        fitting: Fitting,
+        plans: [MissionCommit; 3],
+        trouble: &'static str,
+    ) -> Self {
         let mut commit = [0; 8];
         for (to, from) in commit.iter_mut().zip(version::COMMIT.bytes()) {
             *to = from;
@@ -70,7 +76,7 @@ impl Ground {
         });
         Self {
             links: [link],
-            vehicle: VehicleLink::new(parameters, fitting, plans),
+            vehicle: VehicleLink::new(parameters, fitting, plans).after_trouble(trouble),
             told: Told::default(),
             restart_by: None,
         }
