@@ -12,7 +12,9 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::{NVIC, SCB};
 use embassy_stm32::pac::RCC;
 use windhover_autopilot::ParameterWrite;
-use windhover_fault_record::{Cause, Cut, Fault, Flags, Frame, Packed, Progress, Reason, Record, TEXT, Task};
+use windhover_fault_record::{
+    Cause, Fault, Flags, Frame, Packed, Progress, Reason, Record, Task, Text, most_urgent,
+};
 
 use crate::board;
 
@@ -62,9 +64,6 @@ impl Counts {
     }
 }
 
-/// The text of a cause.
-pub type Text = Cut<TEXT>;
-
 /// What the last run left behind, and the hardware says of it.
 pub struct LastRun {
     /// Why the microcontroller started.
@@ -96,19 +95,19 @@ fn give_up(reason: Reason) -> ! {
     SCB::sys_reset()
 }
 
-/// What runs: of the interrupts that are active, the most urgent one.
+/// Words that say which of the microcontroller's 82 interrupts are active; there are no more.
+const ACTIVE_WORDS: usize = 82usize.div_ceil(32);
+
+/// What runs.
 fn running() -> Task {
     // SAFETY: which interrupts are active, and how urgent they are, may be read at any time.
     let nvic = unsafe { &*NVIC::PTR };
-    let numbers = nvic.iabr.iter().zip((0u16..).step_by(32));
-    let active = numbers.flat_map(|(word, first)| {
-        let active = word.read();
-        (0..32)
-            .filter(move |bit| active >> bit & 1 != 0)
-            .map(move |bit| first + bit)
-    });
-    let urgency = |number: &u16| nvic.ipr.get(usize::from(*number)).map(|priority| priority.read());
-    match active.min_by_key(urgency) {
+    let mut active = [0; ACTIVE_WORDS];
+    for (to, from) in active.iter_mut().zip(&nvic.iabr) {
+        *to = from.read();
+    }
+    let priority = |number: u16| nvic.ipr.get(usize::from(number)).map_or(0, |it| it.read());
+    match most_urgent(&active, &priority) {
         None => Task::Thread,
         Some(board::INNER_INTERRUPT) => Task::Inner,
         Some(board::OUTER_INTERRUPT) => Task::Outer,
@@ -164,8 +163,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     // What does not fit is cut: the place comes first.
     let message = info.message();
     give_up(Reason::Panic(match info.location() {
-        Some(at) => Cut::new(format_args!("at {}:{}: {message}", at.file(), at.line())),
-        None => Cut::new(format_args!("{message}")),
+        Some(at) => Text::message(format_args!("at {}:{}: {message}", at.file(), at.line())),
+        None => Text::message(format_args!("{message}")),
     }))
 }
 

@@ -5,10 +5,11 @@ use embassy_stm32::usart::UartTx;
 use embassy_time::Timer;
 use windhover_autopilot::mission::MissionSource;
 use windhover_autopilot::{InnerConfig, MissionCommit, OuterConfig, Parameters};
+use windhover_fault_record::Text;
 use windhover_flight_log::{Header, HeaderWriter, Plan, PlanKind, version};
 
 use crate::board;
-use crate::fault::{PROGRESS, Text};
+use crate::fault::PROGRESS;
 use crate::shared;
 use crate::shelf::Shelf;
 

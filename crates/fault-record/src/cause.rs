@@ -22,6 +22,10 @@ pub struct Flags {
 }
 
 /// Why the microcontroller started.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one, once, and no heap for a box"
+)]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The supply came.
@@ -93,7 +97,7 @@ impl Display for Cause {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cut, Fault, Frame, MESSAGE, TEXT, Task};
+    use crate::{Fault, Frame, TEXT, Task, Text};
 
     const PROGRESS: Progress = Progress {
         tick: 12_345,
@@ -119,7 +123,7 @@ mod tests {
     }
 
     fn panic(text: &str) -> Record {
-        record(Reason::Panic(Cut::new(format_args!("{text}"))))
+        record(Reason::Panic(Text::message(format_args!("{text}"))))
     }
 
     /// All flags in all combinations: memory is believed after the resets that keep it, and no others.
@@ -229,7 +233,7 @@ mod tests {
             hfsr: most,
             address: most,
         });
-        let text = Cut::<MESSAGE>::new(format_args!("{:a<150}", ""));
+        let text = Text::message(format_args!("{:a<150}", ""));
         for reason in [fault, Reason::Panic(text)] {
             let record = Record {
                 reason,

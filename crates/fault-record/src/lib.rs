@@ -25,14 +25,24 @@ pub const TEXT: usize = 240;
 
 /// Text that ends where it is full.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cut<const N: usize>(String<N>);
+pub struct Text(String<TEXT>);
 
-impl<const N: usize> Cut<N> {
+impl Text {
     /// What `text` says, as far as it fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
-        let mut cut = Self::default();
-        let _ = cut.write_fmt(text);
-        cut
+        Self::within(TEXT, text)
+    }
+
+    /// The same for a panic's message, of which less is kept.
+    pub fn message(text: fmt::Arguments<'_>) -> Self {
+        Self::within(MESSAGE, text)
+    }
+
+    #[inline(never)]
+    fn within(most: usize, text: fmt::Arguments<'_>) -> Self {
+        let mut within = Within(Self::default(), most);
+        let _ = within.write_fmt(text);
+        within.0
     }
 
     /// The text.
@@ -41,11 +51,15 @@ impl<const N: usize> Cut<N> {
     }
 }
 
-impl<const N: usize> Write for Cut<N> {
+/// A text, and how long it may be.
+struct Within(Text, usize);
+
+impl Write for Within {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        let fits = text.floor_char_boundary(N - self.0.len());
+        let Self(Text(kept), most) = self;
+        let fits = text.floor_char_boundary(most.saturating_sub(kept.len()));
         let (fitting, rest) = text.split_at_checked(fits).unwrap_or_default();
-        let taken = self.0.push_str(fitting);
+        let taken = kept.push_str(fitting);
         if rest.is_empty() {
             taken.map_err(|_| fmt::Error)
         } else {
@@ -95,11 +109,23 @@ impl Display for Task {
     }
 }
 
+/// Of the active interrupts, a bit each, the one that runs: it has the smallest priority, or it could
+/// not have interrupted the others.
+#[inline(never)]
+pub fn most_urgent(active: &[u32], priority: &dyn Fn(u16) -> u8) -> Option<u16> {
+    let is_active = |number: &u16| {
+        let word = active.get(usize::from(number / 32));
+        word.is_some_and(|word| word >> (number % 32) & 1 != 0)
+    };
+    let numbers = 0..(32 * active.len()) as u16;
+    numbers.filter(is_active).min_by_key(|number| priority(*number))
+}
+
 /// Why a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// A panic: its place and message.
-    Panic(Cut<MESSAGE>),
+    /// A panic: its place and message, by [`Text::message`].
+    Panic(Text),
     /// A fault of the processor.
     Fault(Fault),
     /// A restart that was asked for.
@@ -201,5 +227,34 @@ impl Display for Record {
             Reason::Restart => f.write_str("restart by command"),
             Reason::Store(..) => f.write_str("restart to store a parameter"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever is active on one another, the last one to interrupt is named.
+    #[test]
+    fn the_interrupt_that_runs_is_the_most_urgent_one() {
+        let priority = |number: u16| match number {
+            19 => 0x40,
+            20 => 0x80,
+            37 => 0x60,
+            _ => 0,
+        };
+        let running = |numbers: &[u16]| {
+            let mut active = [0; 3];
+            for number in numbers {
+                active[usize::from(number / 32)] |= 1 << (number % 32);
+            }
+            most_urgent(&active, &priority)
+        };
+        assert_eq!(running(&[]), None);
+        assert_eq!(running(&[20]), Some(20));
+        assert_eq!(running(&[20, 19]), Some(19));
+        assert_eq!(running(&[20, 37]), Some(37));
+        assert_eq!(running(&[20, 37, 19, 81]), Some(81));
+        assert_eq!(most_urgent(&[], &priority), None);
     }
 }

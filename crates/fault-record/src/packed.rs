@@ -1,6 +1,6 @@
 //! A record as words with a check: no other bits are likely in memory after power-on.
 
-use crate::{Cut, Fault, Frame, MESSAGE, Progress, Reason, Record, Task};
+use crate::{Fault, Frame, MESSAGE, Progress, Reason, Record, Task, Text};
 
 /// Says that a record is a record, and in which layout.
 const MAGIC: u32 = u32::from_be_bytes(*b"WHN2");
@@ -44,6 +44,7 @@ impl Packed {
     };
 
     /// Packs a record.
+    #[inline(never)]
     pub fn new(record: &Record) -> Self {
         let Progress { tick, outer, log } = record.progress;
         let mut packed = Self {
@@ -103,6 +104,7 @@ impl Packed {
     }
 
     /// The record, if this is one.
+    #[inline(never)]
     pub fn unpack(&self) -> Option<Record> {
         if self.magic != MAGIC || self.check != self.sum() {
             return None;
@@ -131,7 +133,7 @@ impl Packed {
                     }
                 }
                 let text = core::str::from_utf8(text.get(..*length as usize)?).ok()?;
-                Some(Reason::Panic(Cut::new(format_args!("{text}"))))
+                Some(Reason::Panic(Text::message(format_args!("{text}"))))
             }
             FAULT => {
                 let [cfsr, hfsr, address, stacked, r0, r1, r2, r3, r12, lr, pc, xpsr] =
@@ -184,7 +186,7 @@ mod tests {
             })
         });
         prop_oneof![
-            ".{0,150}".prop_map(|text| Reason::Panic(Cut::new(format_args!("{text}")))),
+            ".{0,150}".prop_map(|text| Reason::Panic(Text::message(format_args!("{text}")))),
             fault,
             Just(Reason::Restart),
             any::<(u16, u32)>().prop_map(|(index, value)| Reason::Store(index, value)),
