@@ -11,6 +11,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use cortex_m::peripheral::{NVIC, SCB};
 use embassy_stm32::pac::RCC;
+use static_cell::StaticCell;
 use windhover_autopilot::ParameterWrite;
 use windhover_fault_record::{
     Cause, Fault, Flags, Frame, Packed, Progress, Reason, Record, Task, Text, most_urgent,
@@ -67,7 +68,7 @@ impl Counts {
 /// What the last run left behind, and the hardware says of it.
 pub struct LastRun {
     /// Why the microcontroller started.
-    pub cause: Text,
+    pub cause: &'static str,
     /// Whether that is to be told to ground stations.
     pub is_trouble: bool,
     /// A parameter that is to be stored before anything else starts.
@@ -117,7 +118,11 @@ fn running() -> Task {
 
 /// Why the microcontroller started. To be called once, before interrupts use the places; takes the
 /// record, begins the counts and clears the hardware's flags.
+///
+/// A function of its own: `main`, which never ends, keeps nothing of it on the stack.
+#[inline(never)]
 pub fn take_last_run() -> LastRun {
+    static TEXT: StaticCell<Text> = StaticCell::new();
     // SAFETY: runs once at the start, when no fault handler is active. The bits may be anything,
     // and any bits are a valid `Packed`, which is all integers; its check says whether it is one.
     let packed = unsafe {
@@ -137,7 +142,7 @@ pub fn take_last_run() -> LastRun {
     };
     let cause = Cause::new(flags, packed.unpack(), progress);
     LastRun {
-        cause: Text::new(format_args!("{cause}")),
+        cause: TEXT.init_with(|| Text::new(format_args!("{cause}"))).as_str(),
         is_trouble: cause.is_trouble(),
         store: cause
             .store()

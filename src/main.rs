@@ -38,11 +38,7 @@ fn main() -> ! {
 
     let last = fault::take_last_run();
     let board = board::take();
-    defmt::info!(
-        "windhover on {=str}, started by: {=str}",
-        board::NAME,
-        last.cause.as_str()
-    );
+    defmt::info!("windhover on {=str}, started by: {=str}", board::NAME, last.cause);
     let start::Core {
         outer,
         inner,

@@ -90,9 +90,12 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
         rotation: board::ROTATION,
         compass: outer_config.compass,
     };
-    let trouble = if last.is_trouble { start.cause.as_str() } else { "" };
+    let ground = GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans));
+    if last.is_trouble {
+        ground.set_trouble(last.cause);
+    }
     Core {
-        ground: GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans, trouble)),
+        ground,
         stored,
         outer,
         inner,

@@ -52,14 +52,8 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Of a vehicle with these parameters, whose sensors sit like this. `trouble` is what ended its last
-    /// run, or nothing.
-    pub fn new(
-        parameters: &Parameters,
-        fitting: Fitting,
-        plans: [MissionCommit; 3],
-        trouble: &'static str,
-    ) -> Self {
+    /// Of a vehicle with these parameters, whose sensors sit like this.
+    pub fn new(parameters: &Parameters, fitting: Fitting, plans: [MissionCommit; 3]) -> Self {
         let mut commit = [0; 8];
         for (to, from) in commit.iter_mut().zip(version::COMMIT.bytes()) {
             *to = from;
@@ -76,10 +70,15 @@ impl Ground {
         });
         Self {
             links: [link],
-            vehicle: VehicleLink::new(parameters, fitting, plans).after_trouble(trouble),
+            vehicle: VehicleLink::new(parameters, fitting, plans),
             told: Told::default(),
             restart_by: None,
         }
+    }
+
+    /// Ground stations are told this: what ended the last run.
+    pub fn set_trouble(&mut self, trouble: &'static str) {
+        self.vehicle.set_trouble(trouble);
     }
 
     fn receive(&mut self, bytes: &[u8], now: u64) {

@@ -5,7 +5,6 @@ use embassy_stm32::usart::UartTx;
 use embassy_time::Timer;
 use windhover_autopilot::mission::MissionSource;
 use windhover_autopilot::{InnerConfig, MissionCommit, OuterConfig, Parameters};
-use windhover_fault_record::Text;
 use windhover_flight_log::{Header, HeaderWriter, Plan, PlanKind, version};
 
 use crate::board;
@@ -32,7 +31,7 @@ pub struct Start {
     /// What the outer step was made with.
     pub outer: OuterConfig,
     /// Why the microcontroller started.
-    pub cause: Text,
+    pub cause: &'static str,
     /// The plans that were stored.
     pub plans: [MissionCommit; 3],
 }
@@ -58,7 +57,7 @@ pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start)
         inner: start.inner,
         parameters: &start.parameters,
         outer: start.outer,
-        reset_cause: start.cause.as_str(),
+        reset_cause: start.cause,
         mission_crc: mission.crc,
         plans: &plans,
         more: &[],

@@ -140,12 +140,10 @@ impl VehicleLink {
         }
     }
 
-    /// The same after a start that nobody wanted: `trouble` is what ended the last run. Each ground
-    /// station that comes is told, as long as the vehicle is disarmed.
-    #[must_use]
-    pub fn after_trouble(mut self, trouble: &'static str) -> Self {
+    /// The vehicle started because of a `trouble` that ended its last run: each ground station that comes
+    /// is told, as long as the vehicle is disarmed.
+    pub fn set_trouble(&mut self, trouble: &'static str) {
         self.trouble = trouble;
-        self
     }
 
     /// The parameters as the core has them, as far as it has answered.

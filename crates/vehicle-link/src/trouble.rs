@@ -66,9 +66,11 @@ mod tests {
 
     impl Bench {
         fn new(trouble: &'static str) -> Self {
-            let vehicle = VehicleLink::new(&Parameters::default(), Fitting::default(), Default::default());
+            let mut vehicle =
+                VehicleLink::new(&Parameters::default(), Fitting::default(), Default::default());
+            vehicle.set_trouble(trouble);
             Self {
-                vehicle: vehicle.after_trouble(trouble),
+                vehicle,
                 links: [(); 2].map(|()| Link::new(Config::default())),
                 station: Writer::new(Address {
                     system: 255,

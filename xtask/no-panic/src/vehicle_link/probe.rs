@@ -25,8 +25,12 @@ extern "C" fn reset() -> ! {
     let (links, vehicle, plans, told) = unsafe { (&mut *links, &mut *vehicle, &mut *plans, &mut *told) };
     let links = links.write([Link::new(black_box(Config::default()))]);
     let parameters = black_box(Parameters::default());
-    let fresh = VehicleLink::new(&parameters, Fitting::default(), Default::default());
-    let vehicle = vehicle.write(fresh.after_trouble(black_box("panic")));
+    let vehicle = vehicle.write(VehicleLink::new(
+        &parameters,
+        Fitting::default(),
+        Default::default(),
+    ));
+    vehicle.set_trouble(black_box("panic"));
     let told = told.write(Told::default());
     let bytes = [0; 64];
     let mut taken = Told::default();
