@@ -37,13 +37,9 @@ fn main() -> ! {
     /// Without a completed outer step and inner ticks for so long, the watchdog resets, µs.
     const WATCHDOG: u32 = 250_000;
 
-    let fault::LastRun { cause, store } = fault::take_last_run();
+    let last = fault::take_last_run();
     let board = board::take();
-    defmt::info!(
-        "windhover on {=str}, started by: {=str}",
-        board::NAME,
-        cause.as_str()
-    );
+    defmt::info!("windhover on {=str}, started by: {=str}", board::NAME, last.cause);
     let start::Core {
         outer,
         inner,
@@ -52,7 +48,7 @@ fn main() -> ! {
         start,
         ground,
         stored,
-    } = start::core(board.storage, store, cause);
+    } = start::core(board.storage, last);
     let motors = board::Motors::new(board.motors, start.parameters.board.pwm_rate as u32);
     let state = task::InnerLoop::new(config, inner, motors);
     let watchdog = board::watch(board.watchdog, WATCHDOG);

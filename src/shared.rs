@@ -74,8 +74,6 @@ pub fn take_urgent() -> Option<Urgent> {
 
 /// Counters that health reads: each has one writer.
 pub struct Counters {
-    /// Ticks of the inner loop.
-    pub ticks: AtomicU32,
     /// Processor cycles in the inner loop.
     pub inner_cycles: AtomicU32,
     /// Processor cycles in the outer loop, the inner loop's taken off.
@@ -94,7 +92,6 @@ pub struct Counters {
 
 /// All counters.
 pub static COUNTERS: Counters = Counters {
-    ticks: AtomicU32::new(0),
     inner_cycles: AtomicU32::new(0),
     outer_cycles: AtomicU32::new(0),
     asleep: AtomicU32::new(0),

@@ -12,7 +12,7 @@ use windhover_storage::{Journal, Keeper, Loaded, StoreError, View};
 use windhover_vehicle_link::Fitting;
 
 use crate::board::{self, STORED, Storage};
-use crate::fault::{self, Cause};
+use crate::fault::{self, LastRun};
 use crate::shelf::Shelf;
 use crate::{shared, task};
 
@@ -47,20 +47,20 @@ pub struct Stored {
     pub keeper: Keeper,
 }
 
-/// Loads what is stored and makes the core; its log begins. Where there is a parameter to `store`, does
-/// that and starts anew instead.
+/// Loads what is stored and makes the core; its log begins. Where the last run left a parameter to be
+/// stored, does that and starts anew instead.
 ///
 /// What is loaded and what is made goes over the stack, of which `main` never gives back anything:
 /// functions of their own, one after the other and not one within the other.
 #[inline(never)]
-pub fn core(storage: Storage, store: Option<ParameterWrite>, cause: Cause) -> Core {
+pub fn core(storage: Storage, last: LastRun) -> Core {
     static STORED_THERE: StaticCell<Stored> = StaticCell::new();
-    let stored = STORED_THERE.init_with(|| load(storage, store));
-    make(stored, cause)
+    let stored = STORED_THERE.init_with(|| load(storage, last.store));
+    make(stored, last)
 }
 
 #[inline(never)]
-fn make(stored: &'static mut Stored, cause: Cause) -> Core {
+fn make(stored: &'static mut Stored, last: LastRun) -> Core {
     static OUTER: StaticCell<Outer> = StaticCell::new();
     static LOG: StaticCell<shared::FlightLog> = StaticCell::new();
     static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
@@ -82,7 +82,7 @@ fn make(stored: &'static mut Stored, cause: Cause) -> Core {
         inner: config,
         parameters,
         outer: outer_config,
-        cause,
+        cause: last.cause,
         plans: stored.plans,
     });
     commit(&stored.plans);
@@ -90,8 +90,12 @@ fn make(stored: &'static mut Stored, cause: Cause) -> Core {
         rotation: board::ROTATION,
         compass: outer_config.compass,
     };
+    let ground = GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans));
+    if last.is_trouble {
+        ground.set_trouble(last.cause);
+    }
     Core {
-        ground: GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans)),
+        ground,
         stored,
         outer,
         inner,

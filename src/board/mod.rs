@@ -15,8 +15,8 @@ pub use speedybee_f405_v4::{
     BatteryInputs, GROUND_LINK_BAUD, Imu, Motors, NAME, ROTATION, light, motors_off, take,
 };
 pub use stm32f405::{
-    CYCLES_PER_MICROSECOND, PLANS, STACK, STORED, Storage, clear_core_coupled, on_every_priority, stack_used,
-    uid, watch,
+    CYCLES_PER_MICROSECOND, INNER_INTERRUPT, OUTER_INTERRUPT, PLANS, STACK, STORED, Storage,
+    clear_core_coupled, on_every_priority, stack_used, uid, watch,
 };
 
 #[cfg(not(feature = "speedybee-f405-v4"))]

@@ -43,6 +43,12 @@ pub static LOG: InterruptExecutor = InterruptExecutor::new();
 /// The executor of the outer loop.
 pub static OUTER: InterruptExecutor = InterruptExecutor::new();
 
+/// The number of the inner executor's interrupt.
+pub const INNER_INTERRUPT: u16 = interrupt::CAN1_TX as u16;
+
+/// The number of the outer executor's interrupt.
+pub const OUTER_INTERRUPT: u16 = interrupt::CAN1_RX0 as u16;
+
 #[embassy_stm32::interrupt]
 unsafe fn CAN1_TX() {
     // SAFETY: this is the interrupt that `INNER` was started with.

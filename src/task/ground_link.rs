@@ -76,6 +76,11 @@ impl Ground {
         }
     }
 
+    /// Ground stations are told this: what ended the last run.
+    pub fn set_trouble(&mut self, trouble: &'static str) {
+        self.vehicle.set_trouble(trouble);
+    }
+
     fn receive(&mut self, bytes: &[u8], now: u64) {
         let [link] = &mut self.links;
         self.vehicle.receive(link, bytes, now, &mut Shelf);

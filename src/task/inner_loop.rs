@@ -10,6 +10,7 @@ use windhover_autopilot::{Imu, ImuCounts, Inner, InnerConfig, InnerInput, MotorC
 use windhover_drivers::icm42688p::{Error, OutputDataRate};
 
 use crate::board::{self, Motors};
+use crate::fault::PROGRESS;
 use crate::shared::{self, COUNTERS, DATA_READY, SNAPSHOT};
 use crate::steps::inner_step;
 
@@ -82,7 +83,7 @@ impl InnerLoop {
 
     fn account(&mut self, imu: &Imu, now: Instant) {
         self.last_tick = Instant::from_micros(imu.time());
-        shared::add(&COUNTERS.ticks, 1);
+        shared::add(&PROGRESS.tick, 1);
         let armed = !matches!(self.command, MotorCommand::Disarmed);
         COUNTERS.armed.store(u32::from(armed), Ordering::Relaxed);
         if let Imu::Sample { time, .. } = imu {

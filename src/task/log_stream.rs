@@ -8,7 +8,7 @@ use windhover_autopilot::{InnerConfig, MissionCommit, OuterConfig, Parameters};
 use windhover_flight_log::{Header, HeaderWriter, Plan, PlanKind, version};
 
 use crate::board;
-use crate::fault::Cause;
+use crate::fault::PROGRESS;
 use crate::shared;
 use crate::shelf::Shelf;
 
@@ -29,7 +29,7 @@ pub struct Start {
     /// What the outer step was made with.
     pub outer: OuterConfig,
     /// Why the microcontroller started.
-    pub cause: Cause,
+    pub cause: &'static str,
     /// The plans that were stored.
     pub plans: [MissionCommit; 3],
 }
@@ -55,7 +55,7 @@ pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start)
         inner: start.inner,
         parameters: &start.parameters,
         outer: start.outer,
-        reset_cause: &start.cause,
+        reset_cause: start.cause,
         mission_crc: mission.crc,
         plans: &plans,
         more: &[],
@@ -63,18 +63,22 @@ pub async fn log_stream(mut port: UartTx<'static, Async>, start: &'static Start)
     let item = |kind: PlanKind, slot: u8, index: u16| Shelf.item(kind, slot, index);
     let mut writer = HeaderWriter::new(header, item);
     while let Some(chunk) = writer.chunk() {
-        // A port that fails is noticed by the ring that runs full, which counts.
-        let _ = port.write(chunk).await;
+        send(&mut port, chunk).await;
     }
     let mut bytes = [0; CHUNK];
     loop {
         match drain(&mut bytes) {
             0 => Timer::after_millis(2).await,
-            count => {
-                let _ = port.write(bytes.get(..count).unwrap_or_default()).await;
-            }
+            count => send(&mut port, bytes.get(..count).unwrap_or_default()).await,
         }
     }
+}
+
+/// Sends bytes, and counts them.
+async fn send(port: &mut UartTx<'static, Async>, bytes: &[u8]) {
+    // A port that fails is noticed by the ring that runs full, which counts.
+    let _ = port.write(bytes).await;
+    shared::add(&PROGRESS.log, bytes.len() as u32);
 }
 
 /// Moves what waits into `bytes`, as much as fits; how much.

@@ -1,12 +1,15 @@
 //! The outer loop: whatever lies in the snapshot's mailbox, to a result in the other one. The
 //! watchdog is fed here: while the outer step completes and inner ticks go on, and only then.
 
+use core::sync::atomic::Ordering;
+
 use cortex_m::peripheral::DWT;
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use windhover_autopilot::{Outer, OuterResult};
 use windhover_flight_log::{LoggerConfig, Reporter, result_hash};
 
+use crate::fault::PROGRESS;
 use crate::shared::{self, COUNTERS, SNAPSHOT};
 use crate::steps::outer_step;
 
@@ -18,7 +21,6 @@ pub async fn outer_loop(
     mut watchdog: IndependentWatchdog<'static, IWDG>,
 ) {
     let mut reporter = Reporter::new(config);
-    let mut fed_at = 0;
     loop {
         SNAPSHOT.wait().await;
         let Some(snapshot) = shared::with(|shared| shared.mailboxes.snapshot.take()) else {
@@ -41,9 +43,8 @@ pub async fn outer_loop(
             shared.told.outer(&snapshot, &result);
             shared.mailboxes.result = Some(result);
         });
-        let ticks = shared::value(&COUNTERS.ticks);
-        if ticks != fed_at {
-            fed_at = ticks;
+        let tick = shared::value(&PROGRESS.tick);
+        if PROGRESS.outer.swap(tick, Ordering::Relaxed) != tick {
             watchdog.pet();
         }
         let busy = DWT::cycle_count().wrapping_sub(begin);

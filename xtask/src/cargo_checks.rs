@@ -6,7 +6,7 @@ use crate::process::{Outcome, cargo, root, run, target_directory};
 use crate::toolchain::BOARD;
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 11] = [
+const CORE: [&str; 12] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
@@ -18,6 +18,7 @@ const CORE: [&str; 11] = [
     "windhover-bench-port",
     "windhover-ground-link",
     "windhover-vehicle-link",
+    "windhover-fault-record",
 ];
 
 /// What exists on the board only; its desktop `main` only says so.

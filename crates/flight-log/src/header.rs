@@ -20,7 +20,7 @@ pub const CHUNK: usize = 512;
 pub const LOG_VERSION: u32 = 3;
 
 /// The most bytes of a text; what is longer is cut.
-const TEXT: usize = 200;
+const TEXT: usize = 240;
 
 /// The value of an info message.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,6 +26,7 @@ mod setpoint;
 mod shutter;
 mod state;
 mod told;
+mod trouble;
 
 use heapless::Deque;
 use windhover_autopilot::{
@@ -108,6 +109,8 @@ pub struct VehicleLink {
     station: Option<u64>,
     /// Share of the processor's time that is used, 0 to 1.
     load: f32,
+    /// What ended the last run, if it was to be told.
+    trouble: &'static str,
 }
 
 impl VehicleLink {
@@ -133,7 +136,14 @@ impl VehicleLink {
             wanted: None,
             station: None,
             load: 0.0,
+            trouble: "",
         }
+    }
+
+    /// The vehicle started because of a `trouble` that ended its last run: each ground station that comes
+    /// is told, as long as the vehicle is disarmed.
+    pub fn set_trouble(&mut self, trouble: &'static str) {
+        self.trouble = trouble;
     }
 
     /// The parameters as the core has them, as far as it has answered.
@@ -212,6 +222,7 @@ impl VehicleLink {
         self.calibrate(links, told, now, say);
         self.write_parameters(now);
         self.take_photos(now);
+        self.tell_trouble(links);
         for index in 0..links.len() {
             self.serve(links, index, now, say);
         }

@@ -1,8 +1,11 @@
 //! What goes wrong: motors go off or follow the rule, and the next start names the cause.
 
+use windhover_flight_log::wire::MAGIC;
 use windhover_hil::flight::Flight;
 use windhover_hil::time::SECOND;
+use windhover_hil::trouble::OUTER_STEP;
 
+use crate::station::Station;
 use crate::{fly, fly_after, off_since, plan};
 
 /// When it goes wrong, s since power-on: well in the air.
@@ -11,12 +14,16 @@ const AT: f64 = 10.5;
 /// Frames of the motors' pulses, s: what is commanded within 20 ms is in the pulses one later.
 const FRAME: f64 = 0.0025;
 
+/// The log's largest transfer, bytes: what is under way at the end does not count yet.
+const TRANSFER: usize = 4096 + 1;
+
 fn said(flight: &Flight, text: &str) -> bool {
     flight.lines.iter().any(|line| line.message.contains(text))
 }
 
 /// Flies into trouble inside the processor: the firmware starts anew once, names the cause over
-/// defmt and in its log, and stays disarmed. Returns how long motors turned on, s.
+/// defmt and in its log, and stays disarmed. Ground stations are told, where it is no loss of power, with
+/// how far the log had come. Returns how long motors turned on, s.
 fn ends_in_a_restart(trouble: &str, cause: &str) -> f64 {
     let mut plan = plan(7.0);
     plan.troubles = vec![format!("{trouble}@{AT}").parse().expect("a trouble")];
@@ -33,18 +40,45 @@ fn ends_in_a_restart(trouble: &str, cause: &str) -> f64 {
         "{trouble}"
     );
     assert!(figures.replays(), "{trouble}: {:?}", figures.replay);
-    off_since(&flight).expect("the motors are off") - AT
+    let after = off_since(&flight).expect("the motors are off") - AT;
+    let logged = log_before(&flight);
+    let told = Station::beside(flight).told_of_last_run();
+    if cause == "power-on" {
+        assert_eq!(told, "", "{trouble}");
+    } else {
+        assert_eq!(told, figures.reset_cause, "{trouble}");
+        let position = log_position(&told);
+        assert!(
+            (position..position + TRANSFER).contains(&logged),
+            "{trouble}: {position} of {logged} bytes"
+        );
+    }
+    after
+}
+
+/// Bytes of the log before the last restart.
+fn log_before(flight: &Flight) -> usize {
+    let bus = flight.machine.bus();
+    let mut starts = bus.wiring.log().windows(MAGIC.len());
+    starts.rposition(|window| window == MAGIC).expect("a log begins")
+}
+
+/// The log's last position, as a cause names it.
+fn log_position(cause: &str) -> usize {
+    let (_, rest) = cause.split_once("log at ").expect("it is named");
+    let (bytes, _) = rest.split_once(" bytes").expect("in bytes");
+    bytes.parse().expect("a number")
 }
 
 #[test]
 fn a_panic_stops_the_motors_and_is_named() {
-    let after = ends_in_a_restart("panics", "panic at src/shared.rs");
+    let after = ends_in_a_restart("panics", "; in the inner loop, tick ");
     assert!(after < 0.02, "{after} s");
 }
 
 #[test]
 fn a_stack_overflow_faults_and_is_named() {
-    let after = ends_in_a_restart("stack-overflows", "stack overflow");
+    let after = ends_in_a_restart("stack-overflows", "stack overflow; in the outer loop, tick ");
     assert!(after < 0.02, "{after} s");
 }
 
@@ -82,15 +116,34 @@ fn a_stack_overflow_in_the_middle_of_a_message_is_named() {
     assert!(figures.replays(), "{:?}", figures.replay);
 }
 
+/// Control that runs away into registers: the frame says where to, and from where.
+#[test]
+fn a_fault_names_its_address_and_registers() {
+    const NO_CODE: u32 = 0x4000_0000;
+    let (flight, figures) = fly_after(&plan(3.0), |flight| {
+        let jump = flight.machine.jump(OUTER_STEP, NO_CODE);
+        jump.expect("the firmware has an outer step");
+    });
+    let cause = &figures.reset_cause;
+    assert_eq!(figures.resets, 1, "{cause}");
+    assert!(
+        cause.starts_with("memory fault at 0x40000000; in the outer loop, tick "),
+        "{cause}"
+    );
+    let (_, lr) = cause.split_once(", lr 0x").expect("the frame was stacked");
+    assert!(lr.starts_with("80"), "it came from the program: {cause}");
+    assert_eq!(Station::beside(flight).told_of_last_run(), *cause);
+}
+
 #[test]
 fn an_outer_step_that_spins_ends_at_the_watchdog() {
-    let after = ends_in_a_restart("outer-spins", "watchdog");
+    let after = ends_in_a_restart("outer-spins", "watchdog: the outer loop stood still");
     assert!(after < 0.27, "{after} s");
 }
 
 #[test]
 fn an_inner_step_that_spins_ends_at_the_watchdog() {
-    let after = ends_in_a_restart("inner-spins", "watchdog");
+    let after = ends_in_a_restart("inner-spins", "watchdog: the inner loop stood still");
     assert!(after < 0.27, "{after} s");
 }
 

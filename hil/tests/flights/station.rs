@@ -35,7 +35,7 @@ pub struct Station {
     writer: Writer,
     parser: Parser,
     seen: VecDeque<Seen>,
-    /// Lines of text that came.
+    /// Lines of text that came, their parts put together.
     pub texts: Vec<String>,
     /// Whether the vehicle says that it is armed.
     pub armed: bool,
@@ -47,8 +47,14 @@ pub struct Station {
 impl Station {
     /// At power-on.
     pub fn new(plan: &Plan) -> Self {
+        Self::beside(Flight::new(firmware(), plan).expect("the firmware runs"))
+    }
+
+    /// Beside a vehicle that runs already.
+    pub fn beside(flight: Flight) -> Self {
+        flight.machine.bus().wiring.take_answers();
         Self {
-            flight: Flight::new(firmware(), plan).expect("the firmware runs"),
+            flight,
             writer: Writer::new(Address {
                 system: 255,
                 component: 190,
@@ -113,8 +119,11 @@ impl Station {
                 .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
         }
         if let Some(text) = seen.read::<STATUSTEXT_DATA>() {
-            self.texts
-                .push(text.text.to_str().unwrap_or_default().to_string());
+            let part = text.text.to_str().unwrap_or_default();
+            match self.texts.last_mut().filter(|_| text.chunk_seq > 0) {
+                Some(line) => line.push_str(part),
+                None => self.texts.push(part.to_string()),
+            }
         }
         self.photos += usize::from(seen.id == CAMERA_IMAGE_CAPTURED_DATA::ID);
         self.seen.push_back(seen);
@@ -142,6 +151,14 @@ impl Station {
             );
             self.step();
         }
+    }
+
+    /// What the vehicle says of its last run within 2 s.
+    pub fn told_of_last_run(&mut self) -> String {
+        self.run(2.0);
+        let texts = self.texts.iter();
+        let told: Vec<_> = texts.filter_map(|line| line.strip_prefix("Last run: ")).collect();
+        told.join(" ")
     }
 
     /// Waits for a message that fits.

@@ -3,7 +3,7 @@
 use mavlink::MessageData;
 use mavlink::dialects::common as wire;
 
-use super::{Context, Core};
+use super::{Context, Core, SILENCE};
 use crate::commands::{self, CommandResult, Ours};
 use crate::frame::{Address, Frame};
 use crate::mission;
@@ -244,7 +244,8 @@ impl Core {
                 // An unsigned one may be anybody's.
                 let trusted = frame.signature.is_some() || !context.signing.is_on();
                 if payload.byte(4) == GROUND_STATION && trusted {
-                    self.station = Some(now);
+                    let before = self.station.replace(now);
+                    self.arrived |= before.is_none_or(|before| now.saturating_sub(before) > SILENCE);
                 }
             }
             wire::RADIO_STATUS_DATA::ID => {}

@@ -32,6 +32,9 @@ use send::Shown;
 /// one must not hold up the command behind it for longer than a command may wait.
 const STALE: u64 = 80_000;
 
+/// A ground station that was silent for so long and is heard again has come anew, µs.
+const SILENCE: u64 = 10_000_000;
+
 /// Photos that wait to be told.
 const PHOTOS: usize = 8;
 
@@ -148,6 +151,8 @@ struct Core {
     shown: Shown,
     /// When a ground station's heartbeat came last, µs.
     station: Option<u64>,
+    /// A ground station has come, and nobody has asked yet.
+    arrived: bool,
     unknown: u32,
     repeated: u32,
 }
@@ -174,6 +179,7 @@ impl Link {
                 newest: [None; 3],
                 shown: Shown::default(),
                 station: None,
+                arrived: false,
                 unknown: 0,
                 repeated: 0,
             },
@@ -285,6 +291,12 @@ impl Link {
     /// When a ground station's heartbeat came last, µs.
     pub fn station_heard(&self) -> Option<u64> {
         self.core.station
+    }
+
+    /// Whether a ground station has come since this was asked last: its heartbeat, after none for ten
+    /// seconds.
+    pub fn take_arrival(&mut self) -> bool {
+        core::mem::take(&mut self.core.arrived)
     }
 
     /// What was counted since start.

@@ -30,6 +30,7 @@ extern "C" fn reset() -> ! {
         Fitting::default(),
         Default::default(),
     ));
+    vehicle.set_trouble(black_box("panic"));
     let told = told.write(Told::default());
     let bytes = [0; 64];
     let mut taken = Told::default();
