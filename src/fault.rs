@@ -12,7 +12,6 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::{NVIC, SCB};
 use embassy_stm32::pac::RCC;
 use static_cell::StaticCell;
-use windhover_autopilot::ParameterWrite;
 use windhover_fault_record::{
     Cause, Fault, Flags, Frame, Packed, Progress, Reason, Record, Task, Text, most_urgent,
 };
@@ -71,8 +70,6 @@ pub struct LastRun {
     pub cause: &'static str,
     /// Whether that is to be told to ground stations.
     pub is_trouble: bool,
-    /// A parameter that is to be stored before anything else starts.
-    pub store: Option<ParameterWrite>,
 }
 
 /// Leaves a record, stops everything and starts anew.
@@ -112,6 +109,7 @@ fn running() -> Task {
         None => Task::Thread,
         Some(board::INNER_INTERRUPT) => Task::Inner,
         Some(board::OUTER_INTERRUPT) => Task::Outer,
+        Some(board::LOG_INTERRUPT) => Task::Log,
         Some(number) => Task::Interrupt(number),
     }
 }
@@ -144,21 +142,12 @@ pub fn take_last_run() -> LastRun {
     LastRun {
         cause: TEXT.init_with(|| Text::new(format_args!("{cause}"))).as_str(),
         is_trouble: cause.is_trouble(),
-        store: cause
-            .store()
-            .map(|(index, value)| ParameterWrite { index, value }),
     }
 }
 
 /// Starts anew on purpose, as after power-on.
 pub fn restart() -> ! {
     give_up(Reason::Restart)
-}
-
-/// Starts anew to store a parameter: while flash is written the processor stands still, which
-/// neither the watchdog nor the time driver would survive, so it is done before they start.
-pub fn restart_to_store(write: &ParameterWrite) -> ! {
-    give_up(Reason::Store(write.index, write.value.to_bits()))
 }
 
 #[panic_handler]

@@ -4,15 +4,13 @@ use embassy_futures::block_on;
 use embassy_time::Instant;
 use static_cell::{ConstStaticCell, StaticCell};
 use windhover_autopilot::mission::PlanKind;
-use windhover_autopilot::{
-    Command, Inner, InnerConfig, MissionCommit, Outer, OuterConfig, ParameterWrite, Parameters,
-};
+use windhover_autopilot::{Command, Inner, InnerConfig, MissionCommit, Outer, OuterConfig, Parameters};
 use windhover_flight_log::{Logger, LoggerConfig};
-use windhover_storage::{Journal, Keeper, Loaded, StoreError, View};
+use windhover_storage::{Journal, Keeper};
 use windhover_vehicle_link::Fitting;
 
 use crate::board::{self, STORED, Storage};
-use crate::fault::{self, LastRun};
+use crate::fault::LastRun;
 use crate::shelf::Shelf;
 use crate::{shared, task};
 
@@ -47,15 +45,14 @@ pub struct Stored {
     pub keeper: Keeper,
 }
 
-/// Loads what is stored and makes the core; its log begins. Where the last run left a parameter to be
-/// stored, does that and starts anew instead.
+/// Loads what is stored and makes the core; its log begins.
 ///
 /// What is loaded and what is made goes over the stack, of which `main` never gives back anything:
 /// functions of their own, one after the other and not one within the other.
 #[inline(never)]
 pub fn core(storage: Storage, last: LastRun) -> Core {
     static STORED_THERE: StaticCell<Stored> = StaticCell::new();
-    let stored = STORED_THERE.init_with(|| load(storage, last.store));
+    let stored = STORED_THERE.init_with(|| load(storage));
     make(stored, last)
 }
 
@@ -105,19 +102,12 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
     }
 }
 
-/// What is stored; plans go to the shelf. Where there is a parameter to `store`, does that and starts
-/// anew. Nothing waits for time or interrupts yet, so flash may keep the processor.
+/// What is stored; plans go to the shelf. Nothing waits for time or interrupts yet, so flash may keep
+/// the processor.
 #[inline(never)]
-fn load(storage: Storage, store: Option<ParameterWrite>) -> Stored {
+fn load(storage: Storage) -> Stored {
     let mut journal = block_on(Journal::open(storage, STORED)).expect("whole sectors");
     let loaded = block_on(journal.load(&mut Shelf));
-    if let Some(write) = store {
-        match save(&mut journal, &loaded, &write) {
-            Ok(()) => defmt::info!("parameter {=u16} is stored", write.index),
-            Err(_) => defmt::error!("parameter {=u16} could not be stored", write.index),
-        }
-        fault::restart();
-    }
     defmt::info!("{=u16} parameters from flash", loaded.stored);
     let damaged = loaded.damage.is_any();
     if damaged {
@@ -158,25 +148,4 @@ fn outer(parameters: &Parameters, damaged: bool, config: &OuterConfig) -> Outer 
     Outer::new(Parameters::default(), config)
         .expect("the default parameters describe a vehicle that flies")
         .with_damaged_storage()
-}
-
-/// Stores one parameter, and whatever a start before did not finish.
-#[inline(never)]
-fn save(journal: &mut Journal<Storage>, loaded: &Loaded, write: &ParameterWrite) -> Result<(), StoreError> {
-    let mut keeper = Keeper::new(loaded);
-    let mut parameters = loaded.parameters;
-    // A value that is refused is not stored: it would be refused at each start.
-    let _ = parameters.set(usize::from(write.index), write.value);
-    keeper.hurry();
-    let view = View {
-        time: 0,
-        armed: false,
-        parameters: &parameters,
-        plans: loaded.plans,
-    };
-    while let Some(task) = keeper.next(&view, &Shelf) {
-        let outcome = block_on(journal.perform(&task));
-        keeper.done(outcome);
-    }
-    keeper.given_up().map_or(Ok(()), Err)
 }

@@ -1,24 +1,23 @@
 //! A flight of the firmware on the emulated board: it boots, finds its attitude at rest, arms in the
-//! mode for setpoints from outside, holds the attitudes that a pilot commands over the command port,
-//! and disarms.
+//! mode for setpoints from outside, holds the attitudes that a pilot commands over the port for ground
+//! stations, and is stopped.
 //!
 //! The pilot sees the truth and holds the height by thrust, so that the attitude is all that the
 //! firmware is asked to hold.
 
 use std::sync::Arc;
 
-use windhover_autopilot::{Command, Mode, ParameterWrite, Parameters, Urgent};
-use windhover_bench_port::{FRAME, Request};
-use windhover_control::position::AttitudeSetpoint;
-use windhover_flight_log::Input;
+use mavlink::MessageData;
+use windhover_autopilot::Parameters;
 use windhover_flight_log::wire::MAGIC;
-use windhover_math::{Euler, GRAVITY, Quaternion, Vector3, asin, max};
+use windhover_math::{Euler, GRAVITY, Quaternion, asin, max};
 use windhover_model::{Conditions, Truth, Vehicle};
 
 use crate::board::Board;
 use crate::elf::{Elf, ElfError};
 use crate::log::{Line, Log, LogError};
 use crate::machine::{Load, Machine, MachineError, Options, Stop};
+use crate::pilot::{self, Pilot};
 use crate::rig::{self, Rig};
 use crate::time::SECOND;
 use crate::trouble::{self, Slow, Trouble};
@@ -72,8 +71,8 @@ pub struct Plan {
     pub conditions: Conditions,
     /// What hangs on the pins, and what goes wrong with it.
     pub rig: rig::Setup,
-    /// Parameters that are stored before the flight: index in the table and value.
-    pub parameters: Vec<ParameterWrite>,
+    /// Parameters that are stored before the flight: name and value.
+    pub parameters: Vec<(String, f32)>,
     /// How long the attitudes are held, in s.
     pub seconds: f64,
     /// What goes wrong inside the processor.
@@ -100,10 +99,7 @@ impl Plan {
     pub fn with_parameter(mut self, name: &str, value: f32) -> Option<Self> {
         let index = Parameters::find(name)?;
         Parameters::declaration(index)?.check(value).ok()?;
-        self.parameters.push(ParameterWrite {
-            index: index as u16,
-            value,
-        });
+        self.parameters.push((name.into(), value));
         Some(self)
     }
 }
@@ -147,6 +143,7 @@ pub struct Flight {
     /// What the firmware said by defmt.
     pub lines: Vec<Line>,
     decoder: Option<Log>,
+    pilot: Pilot,
     plan: Plan,
     troubles_done: usize,
     /// When the holds began.
@@ -169,6 +166,7 @@ impl Flight {
             decoder: Log::new(&elf)?,
             machine: Machine::new(board, elf, Options::default())?,
             lines: Vec::new(),
+            pilot: Pilot::default(),
             plan,
             troubles_done: 0,
             begin: 0,
@@ -176,15 +174,19 @@ impl Flight {
         })
     }
 
-    /// Stores the plan's parameters, each by a restart of the firmware, and waits until it is
-    /// ready. A second time there is nothing left to do.
+    /// Stores the plan's parameters, restarts the firmware with them, and waits until it is ready. A
+    /// second time there is nothing left to do.
     ///
     /// # Errors
     /// What stopped the machine.
     pub fn prepare(&mut self) -> Result<(), FlightError> {
         self.run(READY)?;
-        for write in std::mem::take(&mut self.plan.parameters) {
-            self.send(Request::SaveParameter(write));
+        let parameters = std::mem::take(&mut self.plan.parameters);
+        if !parameters.is_empty() {
+            for (name, value) in parameters {
+                self.send(&pilot::set(&name, value));
+            }
+            self.send(&pilot::restart());
             self.run(self.machine.now() + READY)?;
         }
         if let Some(slow) = self.plan.slow.take() {
@@ -227,17 +229,11 @@ impl Flight {
     }
 
     fn ask_for_motors(&mut self) {
-        let calibrated = CALIBRATED.map(|name| {
-            let index = Parameters::find(name).expect("the table has it");
-            Input::Parameter(ParameterWrite {
-                index: index as u16,
-                value: 1.0,
-            })
-        });
-        let commands = [Command::Fly(Mode::Offboard), Command::Arm].map(Input::Command);
-        for input in calibrated.into_iter().chain(commands) {
-            self.send(Request::Input(input));
+        for name in CALIBRATED {
+            self.send(&pilot::set(name, 1.0));
         }
+        self.send(&pilot::offboard());
+        self.send(&pilot::arm());
     }
 
     /// When the holds began, in s since power-on.
@@ -272,7 +268,7 @@ impl Flight {
             outcome.height = max(outcome.height, -self.truth().position.z);
             progress(step as f64 / steps as f64);
         }
-        self.send(Request::Urgent(Urgent::Disarm));
+        self.send(&pilot::stop());
         self.run(self.machine.now() + SECOND / 2)?;
         outcome.stopped = !self.turns();
         Ok(outcome)
@@ -300,12 +296,11 @@ impl Flight {
         Ok(())
     }
 
-    /// Sends a request over the command port.
-    pub fn send(&mut self, request: Request) {
-        let mut frame = [0; FRAME];
-        let length = request.encode(&mut frame).expect("a frame holds every request");
+    /// Sends a message to the port for ground stations.
+    pub fn send<M: MessageData>(&mut self, message: &M) {
+        let frame = self.pilot.frame(message);
         let now = self.machine.now();
-        self.machine.bus().wiring.send(now, &frame[..length]);
+        self.machine.bus().wiring.send(now, &frame);
     }
 
     /// The state of the world.
@@ -326,11 +321,8 @@ impl Flight {
     fn steer(&mut self, time: f64) -> Option<f64> {
         let truth = self.truth();
         let (attitude, held) = commanded(time);
-        self.send(Request::Input(Input::Attitude(AttitudeSetpoint {
-            attitude,
-            rate: Vector3::zeros(),
-            thrust: thrust(self.plan.vehicle.plant.mass, &truth),
-        })));
+        let thrust = thrust(self.plan.vehicle.plant.mass, &truth);
+        self.send(&pilot::attitude(attitude, thrust));
         let settled = held > SETTLE && -truth.position.z > 0.5;
         settled.then(|| angle_between(attitude, truth.attitude))
     }

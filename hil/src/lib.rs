@@ -6,6 +6,7 @@
 //! - [`parts`]: what is wired to the pins, after the data sheets.
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
+//! - [`pilot`]: what its pilot sends.
 //! - [`figures`]: what is measured of it.
 //! - [`count`]: what the code costs in instructions.
 //! - [`elf`]: the program, and the names in it.
@@ -21,6 +22,7 @@ pub mod flight;
 pub mod log;
 pub mod machine;
 pub mod parts;
+pub mod pilot;
 pub mod rig;
 pub mod rtt;
 pub mod time;

@@ -15,7 +15,7 @@ pub use speedybee_f405_v4::{
     BatteryInputs, GROUND_LINK_BAUD, Imu, Motors, NAME, ROTATION, light, motors_off, take,
 };
 pub use stm32f405::{
-    CYCLES_PER_MICROSECOND, INNER_INTERRUPT, OUTER_INTERRUPT, PLANS, STACK, STORED, Storage,
+    CYCLES_PER_MICROSECOND, INNER_INTERRUPT, LOG_INTERRUPT, OUTER_INTERRUPT, PLANS, STACK, STORED, Storage,
     clear_core_coupled, on_every_priority, stack_used, uid, watch,
 };
 

@@ -46,6 +46,9 @@ pub static OUTER: InterruptExecutor = InterruptExecutor::new();
 /// The number of the inner executor's interrupt.
 pub const INNER_INTERRUPT: u16 = interrupt::CAN1_TX as u16;
 
+/// The number of the log executor's interrupt.
+pub const LOG_INTERRUPT: u16 = interrupt::CAN1_RX1 as u16;
+
 /// The number of the outer executor's interrupt.
 pub const OUTER_INTERRUPT: u16 = interrupt::CAN1_RX0 as u16;
 

@@ -1,6 +1,4 @@
 //! The ground link: bytes of its port to requests, the core's reports to bytes.
-//!
-//! Bench tests speak by the same port: their frames are no MAVLink, nor the other way round.
 
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
@@ -8,7 +6,6 @@ use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Ticker};
 use windhover_autopilot::{MissionCommit, Parameters};
-use windhover_bench_port::{Parser, Request};
 use windhover_flight_log::version;
 use windhover_ground_link::{Address, Config, Link};
 use windhover_storage::View;
@@ -145,18 +142,12 @@ impl Ground {
 /// Serves the link for ever.
 #[embassy_executor::task]
 pub async fn ground_link(mut port: SerialReceiver, ground: &'static mut Ground, stored: &'static mut Stored) {
-    let mut bench = Parser::default();
     let mut bytes = [0; LOOKED_AT];
     let mut ticker = Ticker::every(PERIOD);
     for look in (0..STORE_EVERY).cycle() {
         ticker.next().await;
         let count = port.take(&mut bytes).count;
         let received = bytes.get(..count).unwrap_or_default();
-        for byte in received {
-            if let Some(request) = bench.push(*byte) {
-                act(request);
-            }
-        }
         let now = Instant::now().as_micros();
         ground.receive(received, now);
         ground.step(stored, now);
@@ -174,17 +165,5 @@ pub async fn ground_sender(mut port: UartTx<'static, Async>) {
     loop {
         let count = OUTGOING.read(&mut bytes).await;
         let _ = port.write(bytes.get(..count).unwrap_or_default()).await;
-    }
-}
-
-fn act(request: Request) {
-    match request {
-        Request::Input(input) => shared::with(|shared| input.queue(&mut shared.mailboxes.queues)),
-        Request::Urgent(urgent) => shared::urge(urgent),
-        Request::Restart | Request::SaveParameter(_) if shared::value(&COUNTERS.armed) != 0 => {
-            defmt::warn!("no restart while armed");
-        }
-        Request::Restart => fault::restart(),
-        Request::SaveParameter(write) => fault::restart_to_store(&write),
     }
 }

@@ -15,7 +15,6 @@ const CORE: [&str; 12] = [
     "windhover-flight-log",
     "windhover-drivers",
     "windhover-storage",
-    "windhover-bench-port",
     "windhover-ground-link",
     "windhover-vehicle-link",
     "windhover-fault-record",

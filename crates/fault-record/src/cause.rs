@@ -64,17 +64,6 @@ impl Cause {
             Self::Ended(record) => matches!(record.reason, Reason::Panic(_) | Reason::Fault(_)),
         }
     }
-
-    /// The parameter that is to be stored before anything else: its index, and its value.
-    pub fn store(&self) -> Option<(u16, f32)> {
-        match self {
-            Self::Ended(record) => match record.reason {
-                Reason::Store(index, value) => Some((index, f32::from_bits(value))),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
 }
 
 impl Display for Cause {
@@ -170,18 +159,19 @@ mod tests {
             hfsr: 0,
             address: 0,
         });
-        let wanted = [record(Reason::Restart), record(Reason::Store(7, 0))].map(Cause::Ended);
-        for cause in [&[Cause::PowerOn, Cause::ResetPin][..], &wanted[..]].concat() {
+        let wanted = [
+            Cause::PowerOn,
+            Cause::ResetPin,
+            Cause::Ended(record(Reason::Restart)),
+        ];
+        for cause in wanted {
             assert!(!cause.is_trouble(), "{cause}");
         }
         let trouble = [panic("x"), record(fault)].map(Cause::Ended);
         let others = [Cause::BrownOut, Cause::Software, Cause::Watchdog(PROGRESS)];
         for cause in [&others[..], &trouble[..]].concat() {
             assert!(cause.is_trouble(), "{cause}");
-            assert_eq!(cause.store(), None);
         }
-        let [_, store] = wanted;
-        assert_eq!(store.store(), Some((7, 0.0)));
     }
 
     #[test]

@@ -94,6 +94,8 @@ pub enum Task {
     Inner,
     /// The outer loop.
     Outer,
+    /// The log on its way out.
+    Log,
     /// An interrupt, by its number in the vector table's device part.
     Interrupt(u16),
 }
@@ -104,6 +106,7 @@ impl Display for Task {
             Self::Thread => f.write_str("in the thread"),
             Self::Inner => f.write_str("in the inner loop"),
             Self::Outer => f.write_str("in the outer loop"),
+            Self::Log => f.write_str("in the log"),
             Self::Interrupt(number) => write!(f, "in interrupt {number}"),
         }
     }
@@ -130,8 +133,6 @@ pub enum Reason {
     Fault(Fault),
     /// A restart that was asked for.
     Restart,
-    /// A restart to store a parameter: its index, and the bits of its value.
-    Store(u16, u32),
 }
 
 /// A fault of the processor: the registers that tell about it (Armv7-M, B3.2).
@@ -225,7 +226,6 @@ impl Display for Record {
                 fault.registers(f)
             }
             Reason::Restart => f.write_str("restart by command"),
-            Reason::Store(..) => f.write_str("restart to store a parameter"),
         }
     }
 }

@@ -12,12 +12,12 @@ const REASON: usize = 1 + MESSAGE / 4;
 const PANIC: u32 = 1;
 const FAULT: u32 = 2;
 const RESTART: u32 = 3;
-const STORE: u32 = 4;
 
 /// Codes of tasks; interrupts lie above.
 const THREAD: u32 = 0;
 const INNER: u32 = 1;
 const OUTER: u32 = 2;
+const LOG: u32 = 3;
 const INTERRUPT: u32 = 0x1_0000;
 
 /// A packed record. Any bits are one of this type; [`Packed::unpack`] says whether they are a record.
@@ -53,6 +53,7 @@ impl Packed {
                 Task::Thread => THREAD,
                 Task::Inner => INNER,
                 Task::Outer => OUTER,
+                Task::Log => LOG,
                 Task::Interrupt(number) => INTERRUPT | u32::from(number),
             },
             progress: [tick, outer, log],
@@ -79,10 +80,6 @@ impl Packed {
                 FAULT
             }
             Reason::Restart => RESTART,
-            Reason::Store(index, value) => {
-                packed.put([u32::from(*index), *value].into_iter());
-                STORE
-            }
         };
         packed.check = packed.sum();
         packed
@@ -116,6 +113,7 @@ impl Packed {
                 THREAD => Task::Thread,
                 INNER => Task::Inner,
                 OUTER => Task::Outer,
+                LOG => Task::Log,
                 number => Task::Interrupt(number as u16),
             },
             progress: Progress { tick, outer, log },
@@ -153,10 +151,6 @@ impl Packed {
                 }))
             }
             RESTART => Some(Reason::Restart),
-            STORE => {
-                let [index, value] = *self.reason.first_chunk()?;
-                Some(Reason::Store(u16::try_from(index).ok()?, value))
-            }
             _ => None,
         }
     }
@@ -189,7 +183,6 @@ mod tests {
             ".{0,150}".prop_map(|text| Reason::Panic(Text::message(format_args!("{text}")))),
             fault,
             Just(Reason::Restart),
-            any::<(u16, u32)>().prop_map(|(index, value)| Reason::Store(index, value)),
         ]
     }
 
@@ -198,6 +191,7 @@ mod tests {
             Just(Task::Thread),
             Just(Task::Inner),
             Just(Task::Outer),
+            Just(Task::Log),
             any::<u16>().prop_map(Task::Interrupt)
         ];
         (reasons(), task, any::<[u32; 3]>()).prop_map(|(reason, task, [tick, outer, log])| Record {

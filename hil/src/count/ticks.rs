@@ -5,15 +5,13 @@
 
 use std::sync::Arc;
 
-use windhover_bench_port::Request;
-use windhover_control::position::AttitudeSetpoint;
-use windhover_flight_log::Input;
-use windhover_math::{Euler, GRAVITY, Quaternion, Vector3};
+use windhover_math::{Euler, GRAVITY, Quaternion};
 
 use super::{Call, Count};
 use crate::elf::Elf;
 use crate::flight::{Flight, FlightError, Plan, Vehicle405};
 use crate::machine::{Calls, Probe};
+use crate::pilot;
 use crate::time::SECOND;
 
 /// The machine stops so often to be asked, in ticks of virtual time: several times between two
@@ -109,11 +107,10 @@ fn steer(flight: &mut Flight, mass: f64, now: u64) {
             pitch,
             yaw: 0.0,
         });
-        flight.send(Request::Input(Input::Attitude(AttitudeSetpoint {
+        flight.send(&pilot::attitude(
             attitude,
-            rate: Vector3::zeros(),
-            thrust: (CLIMB * mass * f64::from(GRAVITY)) as f32,
-        })));
+            (CLIMB * mass * f64::from(GRAVITY)) as f32,
+        ));
     }
 }
 

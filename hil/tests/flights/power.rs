@@ -1,26 +1,20 @@
 //! Power that fails while the firmware writes to its flash.
 
-use windhover_autopilot::{ParameterWrite, Parameters};
-use windhover_bench_port::Request;
 use windhover_hil::flight::{Flight, FlightError};
 use windhover_hil::log::Line;
 use windhover_hil::machine::Stop;
+use windhover_hil::pilot;
 use windhover_hil::time::SECOND;
 
 use crate::{firmware, is_long, plan};
 
 const NAME: &str = "MPC_Z_V_AUTO_UP";
 
-fn write(value: f32) -> Request {
-    let index = Parameters::find(NAME).expect("the table has it") as u16;
-    Request::SaveParameter(ParameterWrite { index, value })
-}
-
 /// A board on which a parameter is stored, ready to store another value of it.
 fn stored() -> Flight {
     let mut flight = Flight::new(firmware(), &plan(1.0)).expect("the firmware runs");
     flight.prepare().expect("nothing that it must not do");
-    flight.send(write(2.5));
+    flight.send(&pilot::set(NAME, 2.5));
     flight
         .run(flight.machine.now() + 2 * SECOND)
         .expect("it is stored");
@@ -35,7 +29,7 @@ fn power_that_fails_during_a_write_leaves_a_board_that_boots() {
         let mut flight = stored();
         let before = flight.machine.bus().flash_operations();
         assert!(before > 0, "the first value is stored");
-        flight.send(write(3.5));
+        flight.send(&pilot::set(NAME, 3.5));
         flight
             .run(flight.machine.now() + 2 * SECOND)
             .expect("it is stored");
@@ -47,7 +41,7 @@ fn power_that_fails_during_a_write_leaves_a_board_that_boots() {
     for operation in before.step_by(every) {
         let mut flight = stored();
         flight.machine.bus().cut_power_at(operation);
-        flight.send(write(3.5));
+        flight.send(&pilot::set(NAME, 3.5));
         let stop = flight.run(flight.machine.now() + 2 * SECOND);
         assert!(
             matches!(stop, Err(FlightError::Stop(Stop::PowerFailure { .. }))),
