@@ -23,8 +23,8 @@ pub struct Figures {
     pub speed: f64,
     /// Virtual time, s.
     pub virtual_s: f64,
-    /// Share of the processor's time for the inner loop and its interrupts, since the holds began, or
-    /// power came on where nothing is held; an estimate.
+    /// Share of the processor's time for the inner loop and its interrupts, since the motors turn, or
+    /// power came on where they never do; an estimate.
     pub load_inner: f64,
     /// Share of the processor's time awake, since then; an estimate.
     pub load: f64,

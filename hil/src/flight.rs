@@ -252,7 +252,7 @@ impl Flight {
     }
 
     /// Whether any motor is commanded.
-    pub fn turns(&self) -> bool {
+    fn turns(&self) -> bool {
         let commands = self.machine.bus().wiring.motor_commands();
         commands.iter().any(|command| command.unwrap_or(0) > 0)
     }

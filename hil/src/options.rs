@@ -153,7 +153,7 @@ impl Cli {
     pub fn plan(&self) -> Result<Plan, String> {
         let served = self.service().is_some();
         let seconds = self.seconds.unwrap_or(if served { 0.0 } else { HELD });
-        if !(1.0..=86_400.0).contains(&seconds) && !(served && seconds == 0.0) {
+        if !((1.0..=86_400.0).contains(&seconds) || served && seconds == 0.0) {
             return Err(format!("--seconds {seconds}: 1 to 86400 are possible"));
         }
         let mut plan = Plan::calm(read_vehicle(&self.vehicle)?, seconds);

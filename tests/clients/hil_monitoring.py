@@ -48,13 +48,19 @@ def list_parameters(station):
     return count
 
 
+def parameter(station, name, value=None, tries=5):
+    """Reads or sets a parameter, again when no answer comes: a serial line may lose a frame."""
+    answers = (station.parameter(name, value) for _ in range(tries))
+    return next((answer for answer in answers if answer is not None), None)
+
+
 def prepare(station, items):
     """What a builder does once: parameters, the mission."""
     heartbeat = station.find("a heartbeat", "HEARTBEAT")
     expect(heartbeat.type == mav.MAV_TYPE_QUADROTOR and not station.armed, "a quadrotor, not armed")
     count = list_parameters(station)
     for name, value in [*((name, 1.0) for name in CALIBRATED), HEIGHT]:
-        expect(station.parameter(name, value) == value, f"{name} is set")
+        expect(parameter(station, name, value) == value, f"{name} is set")
     begin = time.monotonic()
     result = station.upload(items, patience=5.0)
     expect(result == mav.MAV_MISSION_ACCEPTED, f"the mission: {result}, {station.texts}")
@@ -64,7 +70,7 @@ def prepare(station, items):
 def is_kept(station, items):
     """All is as it was prepared."""
     for name, value in [*((name, 1.0) for name in CALIBRATED), HEIGHT]:
-        found = station.parameter(name)
+        found = parameter(station, name)
         expect(found == value, f"{name} is kept: {found}")
     expect(same(station.download(patience=5.0), items), "the mission is kept, bit for bit")
 
@@ -77,9 +83,9 @@ def rest(station, seconds):
 
 
 def reboot(station):
-    """A restart by command: the board's time begins anew."""
+    """A restart by command: the board's time begins anew. The answer may be cut off by it."""
     before = station.find("a time", "SYSTEM_TIME").time_boot_ms
-    station.order(mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1)
+    station.send.command_long_send(*VEHICLE, mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 0, 1, 0, 0, 0, 0, 0, 0)
     anew = lambda message: message.time_boot_ms < before  # noqa: E731
     station.find("a start", "SYSTEM_TIME", anew, LONG)
 

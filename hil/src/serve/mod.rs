@@ -75,6 +75,7 @@ pub fn serve(
     let mut pace = Pace::new(service.speed, seconds(flight));
     let mut saved = start;
     let mut height = 0.0;
+    let mut flies = false;
     let end = loop {
         if stop.load(Ordering::Relaxed) {
             break Ok("stopped".into());
@@ -96,6 +97,10 @@ pub fn serve(
         send(flight, net, &mut pump);
         keep(flight, logs, tell)?;
         height = max(height, -flight.truth().position.z);
+        if !flies && !flight.stopped() {
+            flies = true;
+            flight.begin_figures();
+        }
         if let Some(memory) = &mut memory
             && now - saved >= SAVE
         {
@@ -114,7 +119,7 @@ pub fn serve(
     let outcome = Outcome {
         attitude_error: None,
         height,
-        stopped: !flight.turns(),
+        stopped: flight.stopped(),
     };
     Ok(Ended {
         well: end.is_ok(),

@@ -108,7 +108,7 @@ fn whole<'a>(frame: &Frame<'_>, buffer: &'a mut [u8; MAX_FRAME]) -> &'a [u8] {
 #[cfg(test)]
 mod tests {
     use windhover_ground_link::Address;
-    use windhover_ground_link::frame::{SIGNATURE, Writer};
+    use windhover_ground_link::frame::{SIGNATURE, Sign, Writer};
 
     use super::*;
     use crate::board::Format;
@@ -130,8 +130,7 @@ mod tests {
         let mut frame = |n: usize| {
             let mut buffer = [0; MAX_FRAME];
             let mut sign = |_: &[u8]| [7; SIGNATURE];
-            let signed: Option<&mut dyn FnMut(&[u8]) -> [u8; SIGNATURE]> =
-                if n == 1 { Some(&mut sign) } else { None };
+            let signed = (n == 1).then_some(&mut sign as Sign<'_>);
             let length = writer.write(&mut buffer, IDS[n % 2], &[n as u8 + 1; 9], signed);
             buffer[..length.unwrap()].to_vec()
         };
