@@ -1,9 +1,9 @@
-"""The flashed firmware on the emulated board: parameters and missions/monitoring.plan by upload, a restart, the
-flight with its ten photos, and the same once more after power was away, from flash.
+"""The flashed firmware on the emulated board: parameters and missions/monitoring.plan by upload, a restart, power
+away, and the flight with its ten photos from what the flash kept.
 
-usage: hil_monitoring.py [--ground]
+usage: hil_monitoring.py [--twice]
 
-With --ground it stays on the ground.
+With --twice the mission is flown also before power was away.
 """
 
 import pathlib
@@ -83,9 +83,9 @@ def rest(station, seconds):
 
 
 def reboot(station):
-    """A restart by command: the board's time begins anew. The answer may be cut off by it."""
+    """A restart by command: the board's time begins anew."""
     before = station.find("a time", "SYSTEM_TIME").time_boot_ms
-    station.send.command_long_send(*VEHICLE, mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 0, 1, 0, 0, 0, 0, 0, 0)
+    station.order(mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1)
     anew = lambda message: message.time_boot_ms < before  # noqa: E731
     station.find("a start", "SYSTEM_TIME", anew, LONG)
 
@@ -112,7 +112,7 @@ def fly(station):
 
 def main():
     """All of it."""
-    flies = "--ground" not in sys.argv[1:]
+    twice = "--twice" in sys.argv[1:]
     items = plan_items()
     with tempfile.TemporaryDirectory(prefix="windhover-hil-") as folder:
         flash = pathlib.Path(folder) / "board.flash"
@@ -126,14 +126,13 @@ def main():
             by_tcp = Station(f"tcp:127.0.0.1:{board.tcp}", system=254, beat=BEAT)
             is_kept(by_tcp, items)
             by_tcp.close()
-            if flies:
+            if twice:
                 fly(station)
             station.close()
         with Board(flash) as board:
             station = connect(board)
             is_kept(station, items)
-            if flies:
-                fly(station)
+            fly(station)
             station.close()
     return 0
 

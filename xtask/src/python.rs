@@ -53,7 +53,7 @@ pub fn fly() -> Outcome {
     Ok(())
 }
 
-/// A ground station uploads to the flashed firmware on the emulated board, which keeps it.
+/// A ground station uploads to the flashed firmware on the emulated board, which keeps it and flies it.
 pub fn fly_board() -> Outcome {
     let python = environment()?;
     let elf = firmware::build()?;
@@ -61,7 +61,7 @@ pub fn fly_board() -> Outcome {
     let target = target_directory()?;
     let script = root().join("tests").join("clients").join("hil_monitoring.py");
     let mut client = Command::new(&python);
-    client.arg(script).arg("--ground");
+    client.arg(script);
     client.env("WINDHOVER_HIL", target.join("release").join("windhover-hil"));
     run(client.env("WINDHOVER_ELF", elf))
 }

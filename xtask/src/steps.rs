@@ -112,7 +112,7 @@ const STEPS: &[Step] = &[
     ),
     step(
         "hil-clients",
-        "pymavlink uploads to the flashed firmware on the emulated board, which keeps it",
+        "pymavlink uploads to the flashed firmware on the emulated board, and flies it from flash",
         python::fly_board,
     ),
     step(

@@ -129,7 +129,7 @@ mod tests {
         });
         let mut frame = |n: usize| {
             let mut buffer = [0; MAX_FRAME];
-            let mut sign = |_: &[u8]| [7; SIGNATURE];
+            let mut sign = |_: &[u8]| [7_u8; SIGNATURE];
             let signed = (n == 1).then_some(&mut sign as Sign<'_>);
             let length = writer.write(&mut buffer, IDS[n % 2], &[n as u8 + 1; 9], signed);
             buffer[..length.unwrap()].to_vec()
