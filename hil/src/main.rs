@@ -82,11 +82,13 @@ fn run_served(
     let mut net = Net::open(service.udp, service.tcp)?;
     let stop = until_interrupted()?;
     let mut logs = Logs::create(&cli.out)?;
+    let begin = Instant::now();
     if flight.has_to_prepare() {
         flight.prepare().map_err(|e| e.to_string())?;
+        // Nobody was there to hear it.
+        flight.machine.bus().wiring.take_answers();
     }
     greet(cli, service);
-    let begin = Instant::now();
     let ended = serve(
         &mut flight,
         &mut net,
