@@ -4,7 +4,7 @@ import os
 
 from sitl import ROOT, Vehicle, expect
 
-FIRMWARE = ROOT / "target" / "thumbv7em-none-eabihf" / "release" / "windhover-firmware"
+FIRMWARE = ROOT / "target" / "thumbv7em-none-eabihf" / "firmware" / "windhover-firmware"
 
 
 def program():
