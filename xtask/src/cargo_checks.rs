@@ -6,7 +6,7 @@ use crate::process::{Outcome, cargo, root, run, target_directory};
 use crate::toolchain::BOARD;
 
 /// The core: what runs on the board and on the desktop alike.
-const CORE: [&str; 12] = [
+const CORE: [&str; 11] = [
     "windhover-math",
     "windhover-parameters",
     "windhover-control",
