@@ -23,10 +23,10 @@ pub struct Figures {
     pub speed: f64,
     /// Virtual time, s.
     pub virtual_s: f64,
-    /// Share of the processor's time for the inner loop and its interrupts, since the motors turn;
-    /// an estimate.
+    /// Share of the processor's time for the inner loop and its interrupts, since the motors turn, or
+    /// power came on where they never do; an estimate.
     pub load_inner: f64,
-    /// Share of the processor's time awake, since the motors turn; an estimate.
+    /// Share of the processor's time awake, since then; an estimate.
     pub load: f64,
     /// What the firmware itself says last.
     pub health: Option<BoardHealth>,
@@ -93,11 +93,14 @@ impl Figures {
 
     /// A table for people.
     pub fn text(&self) -> String {
-        let mut lines = vec![
+        let error = self.outcome.attitude_error.map(|error| {
             format!(
                 "attitude error        {:8.2} deg, largest while held",
-                self.outcome.attitude_error.to_degrees()
-            ),
+                error.to_degrees()
+            )
+        });
+        let mut lines = Vec::from_iter(error);
+        lines.extend([
             format!(
                 "motors at the end     {}",
                 if self.outcome.stopped {
@@ -115,7 +118,7 @@ impl Figures {
                 self.load * 100.0,
                 self.load_inner * 100.0
             ),
-        ];
+        ]);
         if let Some(health) = &self.health {
             lines.push(format!(
                 "latency (estimate)    {:5}    us, data-ready to compare registers, largest",
@@ -153,7 +156,7 @@ impl Figures {
     /// The same for programs.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
-            "attitude_error_deg": self.outcome.attitude_error.to_degrees(),
+            "attitude_error_deg": self.outcome.attitude_error.map(f64::to_degrees),
             "height_m": self.outcome.height,
             "stopped": self.outcome.stopped,
             "speed_factor": self.speed,

@@ -108,8 +108,8 @@ impl Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Largest angle between the attitude that was commanded and the true one, in rad, apart from
-    /// the first seconds of each hold.
-    pub attitude_error: f64,
+    /// the first seconds of each hold; `None` where none was commanded for so long.
+    pub attitude_error: Option<f64>,
     /// Greatest height, in m.
     pub height: f64,
     /// Whether the motors stood still in the end.
@@ -172,6 +172,11 @@ impl Flight {
             begin: 0,
             load_before: Load::default(),
         })
+    }
+
+    /// Whether there is something to do before it flies.
+    pub fn has_to_prepare(&self) -> bool {
+        !self.plan.parameters.is_empty() || self.plan.slow.is_some()
     }
 
     /// Stores the plan's parameters, restarts the firmware with them, and waits until it is ready. A
@@ -263,7 +268,10 @@ impl Flight {
         let steps = (self.plan.seconds * 50.0) as u64;
         for step in 0..steps {
             let error = self.steer(step as f64 / 50.0);
-            outcome.attitude_error = max(outcome.attitude_error, error.unwrap_or(0.0));
+            outcome.attitude_error = match (outcome.attitude_error, error) {
+                (Some(largest), Some(error)) => Some(max(largest, error)),
+                (largest, error) => largest.or(error),
+            };
             self.run(self.begin + (step + 1) * SETPOINT_PERIOD)?;
             outcome.height = max(outcome.height, -self.truth().position.z);
             progress(step as f64 / steps as f64);

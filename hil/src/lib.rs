@@ -7,6 +7,7 @@
 //! - [`rig`]: sensors, motors and the world, at the other end of the pins.
 //! - [`flight`]: a flight from power-on to disarmed.
 //! - [`pilot`]: what its pilot sends.
+//! - [`serve`]: a process that ground stations fly.
 //! - [`figures`]: what is measured of it.
 //! - [`count`]: what the code costs in instructions.
 //! - [`elf`]: the program, and the names in it.
@@ -25,6 +26,7 @@ pub mod parts;
 pub mod pilot;
 pub mod rig;
 pub mod rtt;
+pub mod serve;
 pub mod time;
 pub mod trouble;
 pub mod violation;

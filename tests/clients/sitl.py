@@ -33,6 +33,11 @@ def free_port(kind):
 class Vehicle:
     """`windhover sitl` as a child, whose end is always waited for."""
 
+    greeting = "windhover sitl:"
+    """How its first line begins."""
+    patience = 60
+    """It has so long to end, s."""
+
     def __init__(self, speed=10, options=()):
         self.speed, self.start = speed, time.monotonic()
         self.udp = free_port(socket.SOCK_DGRAM)
@@ -44,21 +49,24 @@ class Vehicle:
         # Between being found and being used, a port may be taken by somebody else.
         for _ in range(3):
             self._launch()
-            if self.begun.wait(20) and self.lines[0].startswith("windhover sitl:"):
+            if self.begun.wait(20) and self.lines[0].startswith(self.greeting):
                 return self
             self.child.kill()
             self.child.wait()
         self.folder.cleanup()
         raise RuntimeError(f"the vehicle does not start: {self.lines}")
 
+    def command(self):
+        """What is run, but for where, how fast, and the options."""
+        return [program(), "sitl", "--out", self.folder.name]
+
     def _launch(self):
         self.tcp = free_port(socket.SOCK_STREAM)
         command = [
-            program(), "sitl",
+            *self.command(),
             "--udp", f"127.0.0.1:{self.udp}",
             "--tcp", str(self.tcp),
             "--speed", str(self.speed),
-            "--out", self.folder.name,
             *self.options,
         ]
         self.child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -81,7 +89,7 @@ class Vehicle:
         if not fell:
             self.child.send_signal(signal.SIGINT)
         try:
-            self.child.wait(60)
+            self.child.wait(self.patience)
         except subprocess.TimeoutExpired:
             self.child.kill()
             raise
@@ -90,10 +98,10 @@ class Vehicle:
         else:
             code = self.child.returncode
             expect(code == int(fell), f"exit code {code}; the last lines: {self.lines[-5:]}")
-            self._replay()
+            self.replay()
         self.folder.cleanup()
 
-    def _replay(self):
+    def replay(self):
         """The log gives the same flight again."""
         done = subprocess.run([program(), "replay", str(self.log)], capture_output=True, text=True)
         expect(done.returncode == 0 and done.stdout.startswith("equal"), done.stdout + done.stderr)

@@ -26,8 +26,9 @@ def bits(value):
 class Station:
     """One client of one vehicle."""
 
-    def __init__(self, address, system=255):
-        """At pymavlink's `address`; `system` is its own number."""
+    def __init__(self, address, system=255, beat=1.0):
+        """At pymavlink's `address`; `system` is its own number, `beat` s are between its heartbeats."""
+        self.beats_every = beat
         self.link = mavutil.mavlink_connection(
             address, source_system=system, source_component=190, autoreconnect=False
         )
@@ -48,7 +49,7 @@ class Station:
 
     def look(self, timeout=0.05):
         """The next message, if one comes; what is to be told on the way is noted."""
-        if time.monotonic() - self.beat > 1.0:
+        if time.monotonic() - self.beat > self.beats_every:
             self.beat = time.monotonic()
             self.send.heartbeat_send(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0)
         message = self.link.recv_match(blocking=True, timeout=timeout)

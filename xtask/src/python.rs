@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::firmware;
 use crate::hash;
 use crate::packages::install_debian;
 use crate::process::{Outcome, cargo, root, run, target_directory};
@@ -50,6 +51,19 @@ pub fn fly() -> Outcome {
         run(Command::new(&python).arg(script).env("WINDHOVER", &program))?;
     }
     Ok(())
+}
+
+/// A ground station uploads to the flashed firmware on the emulated board, which keeps it and flies it.
+pub fn fly_board() -> Outcome {
+    let python = environment()?;
+    let elf = firmware::build()?;
+    run(cargo(["build", "--locked", "--release", "--package", "windhover-hil"]).arg("--quiet"))?;
+    let target = target_directory()?;
+    let script = root().join("tests").join("clients").join("hil_monitoring.py");
+    let mut client = Command::new(&python);
+    client.arg(script);
+    client.env("WINDHOVER_HIL", target.join("release").join("windhover-hil"));
+    run(client.env("WINDHOVER_ELF", elf))
 }
 
 /// Logs of whole flights, and the small ones of the log's own tests.

@@ -111,6 +111,11 @@ const STEPS: &[Step] = &[
         cargo_checks::emulated_board,
     ),
     step(
+        "hil-clients",
+        "pymavlink uploads to the flashed firmware on the emulated board, and flies it from flash",
+        python::fly_board,
+    ),
+    step(
         "count",
         "the steps and the core's functions take no more instructions than they may",
         count::check,

@@ -10,7 +10,8 @@
 //!   equal bit for bit.
 //! - [`flight_report`]: a log as a [`report`], a page to look at.
 //! - [`mod@reference`]: the tables of parameters and failsafes, as text and as pages of `docs`.
-//! - [`terminal`]: what programs share that fly at somebody's terminal.
+//! - [`terminal`], [`values`]: what programs share that fly at somebody's terminal, and what may be
+//!   written on their command lines.
 
 pub mod beliefs;
 pub mod closed_loop;
@@ -29,3 +30,4 @@ pub mod sensors;
 pub mod sitl;
 pub mod stored;
 pub mod terminal;
+pub mod values;

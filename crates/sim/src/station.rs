@@ -1,12 +1,11 @@
 //! `windhover sitl`: the terminal around [`windhover_sim::sitl`].
 
 use std::io::Write;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use windhover_sim::report::{Event, Figure};
 use windhover_sim::sitl::served::Line;
 use windhover_sim::sitl::{self, Ended};
+use windhover_sim::terminal::{say, until_interrupted};
 
 use crate::options::SitlArgs;
 use crate::output;
@@ -20,15 +19,7 @@ pub fn run(args: &SitlArgs) -> Result<bool, String> {
     let net = sitl::open(&service)?;
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: {e}", args.out.display()))?;
     let log_name = args.out.join("flight.ulg");
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    // A second one ends it at once, should the first not do.
-    ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(|e| format!("Ctrl-C cannot be heard: {e}"))?;
+    let stop = until_interrupted()?;
     let tcp = service.tcp.map_or("none".into(), |address| address.to_string());
     say(&format!(
         "windhover sitl: {} as system {}, UDP to {}, TCP at {tcp}, speed {}, Ctrl-C ends it",
@@ -50,13 +41,6 @@ pub fn run(args: &SitlArgs) -> Result<bool, String> {
     let report = output::report(&log_name, Some(&args.out.join("report.html")))?;
     say(&format!("report: {}", report.display()));
     Ok(ended.stopped)
-}
-
-/// A line at once, also into a pipe.
-fn say(text: &str) {
-    let mut out = std::io::stdout().lock();
-    // Nobody reads any more: that is no reason to fall from the sky.
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
 }
 
 fn append(name: &std::path::Path, bytes: &[u8]) -> Result<(), String> {

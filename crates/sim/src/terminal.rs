@@ -1,4 +1,9 @@
-//! What the programs share at the terminal: vehicles by name or file, and a bar while they fly.
+//! What the programs share at the terminal: vehicles by name or file, a bar while they fly, lines, and
+//! being stopped.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use windhover_model::Vehicle;
@@ -11,6 +16,28 @@ pub fn read_vehicle(name: &str) -> Result<Vehicle, String> {
     }
     let text = std::fs::read_to_string(name).map_err(|e| format!("{name}: {e}"))?;
     Vehicle::from_toml(&text).map_err(|e| format!("{name}: {e}"))
+}
+
+/// A line on stdout at once, also into a pipe.
+pub fn say(text: &str) {
+    let mut out = std::io::stdout().lock();
+    // Nobody reads any more: that is no reason to fall from the sky.
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}
+
+/// Is set once the program is asked to end, by Ctrl-C or by a signal to terminate. The error is one
+/// line.
+pub fn until_interrupted() -> Result<Arc<AtomicBool>, String> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    // A second one ends it at once, should the first not do.
+    ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|e| format!("Ctrl-C cannot be heard: {e}"))?;
+    Ok(stop)
 }
 
 /// A bar on stderr that is told the share of a flight that is done.

@@ -136,6 +136,21 @@ impl Rig {
         &self.log
     }
 
+    /// Takes what was recorded.
+    pub fn take_record(&mut self) -> Record {
+        std::mem::take(&mut self.record)
+    }
+
+    /// Takes the bytes that the firmware sent to the log since this was done last.
+    pub fn take_log(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.log)
+    }
+
+    /// The other end of the command port, which is the ground link's.
+    pub fn ground_port(&mut self) -> &mut Port {
+        &mut self.commands
+    }
+
     /// Sends bytes to the command port, from `now` on or behind those that are on their way.
     pub fn send(&mut self, now: u64, bytes: &[u8]) {
         self.commands.send(now, bytes);

@@ -2,6 +2,7 @@
 //! after power has been away.
 
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavMissionResult};
+use windhover_hil::serve::memory::Memory;
 
 use crate::plan;
 use crate::station::{Station, downloaded, monitoring};
@@ -47,4 +48,30 @@ fn what_is_uploaded_outlasts_power() {
         .collect();
     assert!(errors.is_empty(), "{errors:?}");
     assert_eq!(station.flight.machine.resets().len(), 2, "no watchdog meanwhile");
+}
+
+/// What a board's flash keeps goes into a file, and from there into another board's.
+#[test]
+fn a_file_is_as_good_as_a_flash() {
+    let folder = std::env::temp_dir().join(format!("windhover-flash-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("board.flash");
+    let start = || {
+        let mut station = Station::new(&plan(1.0));
+        let memory = Memory::load(&path, &mut station.flight.machine).expect("it is read");
+        station.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+        (station, memory)
+    };
+    let items = monitoring();
+    let (mut station, mut memory) = start();
+    memory.store(&station.flight.machine).expect("nothing to do");
+    assert!(!path.exists(), "nothing was stored");
+    assert_eq!(station.upload(&items), MavMissionResult::MAV_MISSION_ACCEPTED);
+    station.set_parameter("RTL_RETURN_ALT", 42.0);
+    station.run(3.0);
+    memory.store(&station.flight.machine).expect("it is written");
+    let (mut other, _) = start();
+    assert_eq!(other.parameter("RTL_RETURN_ALT"), 42.0);
+    assert_eq!(other.download(), downloaded(&items));
+    std::fs::remove_dir_all(folder).expect("it was made here");
 }

@@ -1,6 +1,5 @@
 //! The command line: what may be asked for, and what is wrong with what was asked for.
 
-mod values;
 mod world;
 
 use std::path::{Path, PathBuf};
@@ -11,11 +10,11 @@ use windhover_sim::flight::{Setup, SetupError};
 use windhover_sim::mission_file::{self, MissionFile};
 use windhover_sim::reference;
 use windhover_sim::sitl::Service;
+use windhover_sim::values::{Endpoint, Listening, Place, Speed};
 
-pub use values::Setting;
-use values::{Endpoint, Listening, Place, Speed};
 use world::{Pushes, WorldArgs};
 
+pub use windhover_sim::values::Setting;
 pub use world::Words;
 
 /// The mission that is flown when none is named.

@@ -8,8 +8,7 @@ use windhover_model::{Conditions, Integrator, ModelKind, Payload, Push, mean_win
 use windhover_sim::flight::{Setup, SetupError};
 use windhover_sim::sensors::{Receiver, Sensors};
 use windhover_sim::terminal::read_vehicle;
-
-use super::values::{Numbers, Percent, Setting};
+use windhover_sim::values::{Numbers, Percent, Setting};
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum PresetName {

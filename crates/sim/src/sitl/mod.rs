@@ -2,6 +2,7 @@
 
 pub mod echo;
 pub mod net;
+pub mod pace;
 pub mod served;
 
 use std::fs::File;
@@ -18,13 +19,11 @@ use crate::flight::{Setup, SetupError};
 use crate::flight_log::FlightLog;
 use crate::stored::Stored;
 use net::{Arrival, LINKS, Net};
+use pace::Pace;
 use served::{Line, Served};
 
 /// Between two looks at the sockets nothing is done for so long.
 const NAP: Duration = Duration::from_millis(1);
-
-/// A simulation that is behind by more than this does not catch up, s of simulated time at speed 1.
-const BEHIND: f64 = 0.25;
 
 /// What is simulated at most between two looks at the sockets, s of the clock.
 const BURST: Duration = Duration::from_millis(20);
@@ -78,7 +77,7 @@ pub fn vehicle(
 
 /// Opens the sockets. The error is one line for the user.
 pub fn open(service: &Service) -> Result<Net, String> {
-    Net::open(service.udp, service.tcp)
+    Net::open(Some(service.udp), service.tcp)
 }
 
 /// Serves until `stop` is set or the vehicle crashes. The log grows in `log_file`; `tell` is told
@@ -97,19 +96,15 @@ pub fn serve(
     let at_file = |e: std::io::Error| format!("{}: {e}", log_file.display());
     let mut file = File::create(log_file).map_err(at_file)?;
     let start = Instant::now();
-    let (mut saved, mut origin) = (start, start);
-    let mut before = 0.0;
+    let mut saved = start;
+    let mut pace = Pace::new(service.speed, 0.0);
     let micros = |time: Instant| time.duration_since(start).as_micros() as u64;
     let why = loop {
         if stop.load(Ordering::Relaxed) {
             break None;
         }
         let now = Instant::now();
-        // Where the simulated time is to be; a machine that is too slow does not owe it.
-        let wanted = before + now.duration_since(origin).as_secs_f64() * service.speed;
-        if wanted - served.time() > BEHIND * service.speed {
-            (origin, before) = (now, served.time());
-        }
+        let wanted = pace.wanted(now.duration_since(start).as_secs_f64(), served.time());
         receive(&mut net, &mut served, micros(now), tell);
         while served.time() < wanted && now.elapsed() < BURST {
             let effects = served.step(micros(Instant::now()));

@@ -38,8 +38,8 @@ struct Stream {
 
 /// The sockets.
 pub struct Net {
-    udp: UdpSocket,
-    target: SocketAddr,
+    /// A socket, and whom it speaks to first.
+    udp: Option<(UdpSocket, SocketAddr)>,
     peers: Vec<(SocketAddr, Instant)>,
     listener: Option<TcpListener>,
     streams: [Option<Stream>; STREAMS],
@@ -48,18 +48,12 @@ pub struct Net {
 }
 
 impl Net {
-    /// Speaks to `target` by UDP, and listens at `tcp`. The error is one line.
-    pub fn open(target: SocketAddr, tcp: Option<SocketAddr>) -> Result<Self, String> {
-        // From the loopback to itself, and only then from everywhere.
-        let own: SocketAddr = match (target.ip().is_loopback(), target.is_ipv4()) {
-            (true, true) => ([127, 0, 0, 1], 0).into(),
-            (false, true) => ([0, 0, 0, 0], 0).into(),
-            (true, false) => (std::net::Ipv6Addr::LOCALHOST, 0).into(),
-            (false, false) => (std::net::Ipv6Addr::UNSPECIFIED, 0).into(),
+    /// Speaks to `udp` first by UDP, and listens at `tcp`. The error is one line.
+    pub fn open(udp: Option<SocketAddr>, tcp: Option<SocketAddr>) -> Result<Self, String> {
+        let udp = match udp {
+            Some(target) => Some((Self::socket(target)?, target)),
+            None => None,
         };
-        let udp = UdpSocket::bind(own)
-            .and_then(|socket| socket.set_nonblocking(true).map(|()| socket))
-            .map_err(|e| format!("--udp {target}: {e}"))?;
         let listener = tcp
             .map(|address| {
                 TcpListener::bind(address)
@@ -69,12 +63,25 @@ impl Net {
             .transpose()?;
         Ok(Self {
             udp,
-            target,
             peers: Vec::new(),
             listener,
             streams: [const { None }; STREAMS],
             lost: 0,
         })
+    }
+
+    /// A socket that reaches `target`.
+    fn socket(target: SocketAddr) -> Result<UdpSocket, String> {
+        // From the loopback to itself, and only then from everywhere.
+        let own: SocketAddr = match (target.ip().is_loopback(), target.is_ipv4()) {
+            (true, true) => ([127, 0, 0, 1], 0).into(),
+            (false, true) => ([0, 0, 0, 0], 0).into(),
+            (true, false) => (std::net::Ipv6Addr::LOCALHOST, 0).into(),
+            (false, false) => (std::net::Ipv6Addr::UNSPECIFIED, 0).into(),
+        };
+        UdpSocket::bind(own)
+            .and_then(|socket| socket.set_nonblocking(true).map(|()| socket))
+            .map_err(|e| format!("--udp {target}: {e}"))
     }
 
     /// Hands over what has come.
@@ -90,9 +97,14 @@ impl Net {
         let mut buffer = [0; 2048];
         // Bounded: a flood does not keep the vehicle from flying.
         for _ in 0..256 {
-            match self.udp.recv_from(&mut buffer) {
+            let Some((socket, target)) = &self.udp else {
+                return;
+            };
+            match socket.recv_from(&mut buffer) {
                 Ok((length, from)) => {
-                    self.heard(from);
+                    if from != *target {
+                        self.heard(from);
+                    }
                     take(Arrival::Packet(0, &buffer[..length]));
                 }
                 // Nobody listens there yet.
@@ -103,9 +115,6 @@ impl Net {
     }
 
     fn heard(&mut self, from: SocketAddr) {
-        if from == self.target {
-            return;
-        }
         let now = Instant::now();
         self.peers
             .retain(|(peer, last)| *peer != from && now - *last < PATIENCE);
@@ -152,16 +161,22 @@ impl Net {
 
     /// Whether there is somebody at the other end of a link.
     pub fn is_open(&self, link: usize) -> bool {
-        link == 0 || self.streams.get(link - 1).is_some_and(Option::is_some)
+        match link {
+            0 => self.udp.is_some(),
+            _ => self.streams.get(link - 1).is_some_and(Option::is_some),
+        }
     }
 
     /// Sends a frame by a link.
     pub fn send(&mut self, link: usize, frame: &[u8]) {
         if link == 0 {
+            let Some((socket, target)) = &self.udp else {
+                return;
+            };
             // What a network does not take is lost: links live with that.
-            let _ = self.udp.send_to(frame, self.target);
+            let _ = socket.send_to(frame, target);
             for (peer, _) in &self.peers {
-                let _ = self.udp.send_to(frame, peer);
+                let _ = socket.send_to(frame, peer);
             }
         } else if let Some(Some(stream)) = self.streams.get_mut(link - 1) {
             if stream.waiting.len() + frame.len() > BACKLOG {

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use windhover_autopilot::Parameters;
 use windhover_math::geodesy::GlobalPosition;
-use windhover_sim::reference;
+
+use crate::reference;
 
 /// A parameter and its value.
 #[derive(Clone, Debug)]
