@@ -175,6 +175,7 @@ impl WorldArgs {
             errors: None,
             remote: self.rc,
             charge: self.battery.map(|Percent(percent)| percent * 0.01),
+            own_declination: false,
         }))
     }
 
