@@ -24,7 +24,7 @@ const AUCKLAND: GlobalPosition = GlobalPosition {
     longitude: 1_747_633_000,
     altitude: 20_000,
 };
-/// 29° west.
+/// 26° west.
 const CAPE_TOWN: GlobalPosition = GlobalPosition {
     latitude: -339_249_000,
     longitude: 184_241_000,

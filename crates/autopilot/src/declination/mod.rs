@@ -1,7 +1,7 @@
 //! The declination at a place: the bearing of magnetic north.
 //!
 //! A compass shows magnetic north; missions, receivers and maps count from true north. Where
-//! people live up to 25° lie between the two, so whoever says where the vehicle is says how far
+//! people live up to 30° lie between the two, so whoever says where the vehicle is says how far
 //! the compass is to be turned as well.
 //!
 //! The table is the World Magnetic Model 2025 (NOAA and British Geological Survey) at sea level on
@@ -16,7 +16,7 @@
 //!
 //! Nearer to a magnetic pole (64° S 136° E, 86° N 139° E) it changes by degrees within some
 //! kilometres, and a compass is of little use whatever a table says. 5 km of altitude make less
-//! than 0.1°.
+//! than 0.1°. The model holds until 2030, with a field that wanders by some 0.1° a year.
 
 mod table;
 
