@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use windhover_autopilot::declination;
 use windhover_math::geodesy::GlobalPosition;
+use windhover_math::max;
 use windhover_sim::sensors::EarthField;
 
 /// Coordinates in degrees.
@@ -63,7 +64,7 @@ fn largest(from: i32, to: i32) -> f64 {
         let longitudes = (-360..360).map(|half| f64::from(half) * 0.5);
         longitudes.map(move |longitude| place(latitude, longitude))
     });
-    places.map(|place| error(place).abs()).fold(0.0, f64::max)
+    places.map(|place| error(place).abs()).fold(0.0, max)
 }
 
 #[test]

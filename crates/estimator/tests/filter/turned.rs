@@ -2,7 +2,7 @@
 
 use windhover_estimator::measurement::{GnssPosition, GnssVelocity};
 use windhover_estimator::{Filter, Refusal};
-use windhover_math::{Quaternion, Vector3};
+use windhover_math::{Quaternion, Vector3, max};
 
 use crate::dense::{self, Column, Matrix};
 use crate::flight::{Flight, Manoeuvre};
@@ -41,7 +41,7 @@ fn difference(filter: &Filter, turned: &Filter) -> f64 {
     let r = rotation();
     let exact = r * dense::of(filter.covariance()) * r.transpose();
     let spread = Matrix::from_fn(|i, j| (p[(i, j)] - exact[(i, j)]) / (p[(i, i)] * p[(j, j)]).sqrt());
-    off.amax().max(spread.amax())
+    max(off.amax(), spread.amax())
 }
 
 #[test]
