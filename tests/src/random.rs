@@ -83,6 +83,7 @@ fn random_sensors(random: &mut Random) -> Sensors {
         errors: None,
         remote: number(1.0) < 0.5,
         charge: None,
+        own_declination: false,
     }
 }
 

@@ -184,6 +184,12 @@ impl Alignment {
         self.last_field = *measured;
     }
 
+    /// The bearing of magnetic north becomes known, rad, east positive: it replaces that of the
+    /// measurements so far.
+    pub fn set_declination(&mut self, declination: f32) {
+        self.last_field.declination = declination;
+    }
+
     /// The attitude by the means so far.
     fn attitude(&self) -> Quaternion {
         let down = -self.force;

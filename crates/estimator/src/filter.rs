@@ -13,7 +13,7 @@
 //! refused at the [`crate::border`], and in every second step one of the fifteen states, in
 //! turn, is held within its bounds.
 
-use windhover_math::saturate;
+use windhover_math::{Quaternion, saturate};
 
 use crate::accuracy::Accuracy;
 use crate::border::{LARGEST_POSITION, LARGEST_VELOCITY, Refusal, deviation, number};
@@ -236,6 +236,22 @@ impl Filter {
         self.covariance.decouple(Group::Attitude, Axis::Y, tilt * tilt);
         self.covariance
             .decouple(Group::Attitude, Axis::Z, heading * heading);
+        Ok(())
+    }
+
+    /// What was taken for north has a bearing of `angle`, rad, east positive: all that is believed
+    /// in the world's axes, and of the past, turns by it about down. What is known of it is known as
+    /// well as before.
+    #[cold]
+    #[inline(never)]
+    pub fn turn(&mut self, angle: f32) -> Result<(), Refusal> {
+        number(angle, core::f32::consts::PI)?;
+        let turn = Quaternion::from_heading(angle);
+        self.state.position = turn.rotate(self.state.position);
+        self.state.velocity = turn.rotate(self.state.velocity);
+        self.state.attitude = (turn * self.state.attitude).renormalized();
+        self.covariance.turn(angle);
+        self.history.turn(turn);
         Ok(())
     }
 

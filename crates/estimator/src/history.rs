@@ -193,6 +193,18 @@ impl History {
         true
     }
 
+    /// The world's axes turn: the whole track by `turn`, a rotation in the world.
+    pub(crate) fn turn(&mut self, turn: Quaternion) {
+        for point in self.points.iter_mut().chain([&mut self.now]) {
+            point.position = turn.rotate(point.position);
+            point.velocity = turn.rotate(point.velocity);
+            point.attitude = turn * point.attitude;
+        }
+        let (_, position, velocity) = &mut self.seam;
+        *position = turn.rotate(*position);
+        *velocity = turn.rotate(*velocity);
+    }
+
     /// Where the point so many entries back is kept.
     #[inline(always)]
     fn index(&self, entries: usize) -> Option<usize> {

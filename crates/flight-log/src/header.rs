@@ -102,7 +102,7 @@ pub struct Header<'a> {
     pub inner: InnerConfig,
     /// Parameters as loaded, calibration among them.
     pub parameters: &'a Parameters,
-    /// Home, declination and compass.
+    /// Home and declination where they were given, and the compass.
     pub outer: OuterConfig,
     /// Why the core started.
     pub reset_cause: &'a str,
@@ -139,7 +139,6 @@ impl Header<'_> {
             ("home_lat", InfoValue::I32(home.latitude)),
             ("home_lon", InfoValue::I32(home.longitude)),
             ("home_alt", InfoValue::I32(home.altitude)),
-            ("declination", InfoValue::F32(outer.declination)),
             ("mag_ut_per_count", InfoValue::F32(outer.compass.per_count)),
             ("mag_rotation", flat(outer.compass.rotation)),
             ("reset_cause", InfoValue::Text(self.reset_cause)),
@@ -147,9 +146,12 @@ impl Header<'_> {
             ("mission_count", InfoValue::U32(u32::from(self.mission().count))),
             ("mission_crc", InfoValue::U32(self.mission_crc)),
         ];
-        own.get(index)
-            .or_else(|| self.more.get(index.checked_sub(own.len())?))
-            .copied()
+        // One that was not given is looked up again in a replay.
+        let declination = outer
+            .declination
+            .map(|bearing| ("declination", InfoValue::F32(bearing)));
+        let more = self.more.iter().copied();
+        own.into_iter().chain(declination).chain(more).nth(index)
     }
 }
 

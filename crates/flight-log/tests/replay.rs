@@ -4,7 +4,7 @@ mod common;
 
 use common::{Flown, Plot, fly};
 use windhover_autopilot::mission::{MissionSource, PlanKind};
-use windhover_autopilot::{Inner, Mailboxes, Outer, OuterInputs};
+use windhover_autopilot::{Inner, Mailboxes, Outer, OuterConfig, OuterInputs};
 use windhover_flight_log::reader::{CoreSetup, Log, Period, Reason, Step, difference};
 use windhover_flight_log::views::VehicleAttitude;
 use windhover_flight_log::{LoggerConfig, View, period_hash, result_hash};
@@ -113,6 +113,22 @@ fn the_core_repeats_the_flight() {
         }
         assert!(compared > 100, "{compared} views compared");
     }
+}
+
+#[test]
+fn a_declination_that_was_not_given_is_not_written_and_nothing_else_is_lost() {
+    let outer = OuterConfig {
+        declination: None,
+        ..common::outer_config()
+    };
+    let bytes = common::header_with(&outer, 1000, &common::mission());
+    let log = Log::open(&bytes).unwrap();
+    assert!(log.info("declination").is_none());
+    assert_eq!(log.value::<u32>("sim_seed"), Some(1));
+    assert_eq!(CoreSetup::new(&log).unwrap().outer, outer);
+    let given = common::header_bytes(1000, &common::mission());
+    let setup = CoreSetup::new(&Log::open(&given).unwrap()).unwrap();
+    assert_eq!(setup.outer, common::outer_config());
 }
 
 #[test]

@@ -104,15 +104,16 @@ impl Setup {
 
     /// What the outer step is made with, at a place. On sensors it finds out itself where it is.
     pub fn outer_config(&self, home: GlobalPosition) -> OuterConfig {
-        if self.sensors.is_none() {
+        let Some(sensors) = &self.sensors else {
             return OuterConfig {
                 home: Some(home),
                 ..OuterConfig::default()
             };
-        }
+        };
+        let exact = EarthField::at(home).map(|earth| earth.declination);
         OuterConfig {
             home: None,
-            declination: EarthField::at(home).map_or(0.0, |earth| earth.declination),
+            declination: exact.filter(|_| !sensors.own_declination),
             compass: compass_fitting(),
         }
     }

@@ -44,6 +44,8 @@ pub struct Sensors {
     pub remote: bool,
     /// Charge of the battery at the start, 0 to 1; `None` is full.
     pub charge: Option<f64>,
+    /// The core is not told the exact declination: it looks it up itself, as on a board.
+    pub own_declination: bool,
 }
 
 /// Sticks at rest with the throttle low, switches off, the mode switch at a position that selects

@@ -50,6 +50,13 @@ impl Interference {
         self.earth = Some(attitude.rotate(field));
     }
 
+    /// What was taken for north has a bearing of `angle`, rad, east positive.
+    pub(super) fn turn(&mut self, angle: f32) {
+        if let Some(earth) = &mut self.earth {
+            *earth = Quaternion::from_heading(angle).rotate(*earth);
+        }
+    }
+
     /// Whether the compass may be used.
     pub(super) fn is_known(&self) -> bool {
         self.learned_for >= LEARNING || self.earth.is_none()

@@ -76,8 +76,9 @@ const DOWN: Vector3 = Vector3::new(0.0, 0.0, 1.0);
 pub struct OuterConfig {
     /// The origin of positions; without one the first fix sets it.
     pub home: Option<GlobalPosition>,
-    /// Declination of the place: bearing of magnetic north, east positive, rad.
-    pub declination: f32,
+    /// Bearing of magnetic north, east positive, rad. Without one it is that of the origin by
+    /// [`declination`](crate::declination()), and 0 while there is no origin.
+    pub declination: Option<f32>,
     /// The compass.
     pub compass: CompassFitting,
 }
@@ -397,14 +398,16 @@ impl Estimation {
         else {
             return;
         };
+        for sample in &snapshot.inputs.gnss {
+            if let Some(declination) = self.aiding.find_origin(sample, 0.0) {
+                alignment.set_declination(declination);
+            }
+        }
         for sample in &snapshot.inputs.compass {
             alignment.take_in_field(&self.aiding.field(sample, settings));
         }
         for sample in &snapshot.inputs.barometer {
             pressure.add(sample.pressure);
-        }
-        for sample in &snapshot.inputs.gnss {
-            self.aiding.find_origin(sample, 0.0);
         }
         let settled = match alignment.step(measured) {
             Progress::Settled => true,
@@ -447,6 +450,7 @@ impl Estimation {
             },
         };
         if let Ok(filter) = Filter::new(&start, settings.noise, time) {
+            self.aiding.trust_north();
             self.stage = Stage::Running(filter);
         }
     }

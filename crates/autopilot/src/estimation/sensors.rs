@@ -13,6 +13,7 @@ use super::interference::{Interference, load};
 use super::{OuterConfig, Settings, is_still};
 use crate::aiding::{BarometerSample, CompassFitting, CompassSample, GnssSample, PressureLevel};
 use crate::calibration::compass::CompassCorrection;
+use crate::declination;
 use crate::inner::Snapshot;
 
 /// How still a vehicle stands, m/s, and its gyro's mean over an interval, rad/s.
@@ -96,7 +97,10 @@ impl Mean {
 #[derive(Clone, Debug)]
 pub(super) struct Aiding {
     pub(super) frame: Option<LocalFrame>,
-    declination: f32,
+    /// Bearing of magnetic north, east positive, rad, once it is known.
+    declination: Option<f32>,
+    /// The heading came from outside, so it counts from true north.
+    is_north_true: bool,
     fitting: CompassFitting,
     level: Option<PressureLevel>,
     interference: Interference,
@@ -128,7 +132,8 @@ impl Aiding {
     pub(super) fn new(config: &OuterConfig) -> Self {
         Self {
             frame: config.home.map(LocalFrame::new),
-            declination: config.declination,
+            declination: config.declination.or(config.home.map(declination)),
+            is_north_true: false,
             fitting: config.compass,
             level: None,
             interference: Interference::default(),
@@ -187,14 +192,35 @@ impl Aiding {
         }
     }
 
-    /// The first fix is the origin, where there is none. The vehicle is `down` m below it.
-    pub(super) fn find_origin(&mut self, sample: &GnssSample, down: f32) {
-        if self.frame.is_none() && sample.is_fix() {
-            let above = saturate(down, 1e5) * 1e3;
-            self.frame = Some(LocalFrame::new(GlobalPosition {
-                altitude: sample.position.altitude.saturating_add(above as i32),
-                ..sample.position
-            }));
+    /// Somebody outside has said where north is.
+    pub(super) fn trust_north(&mut self) {
+        self.is_north_true = true;
+    }
+
+    /// The first fix is the origin, where there is none. The vehicle is `down` m below it. The
+    /// declination, when that is known only now: until here magnetic north was taken for north.
+    pub(super) fn find_origin(&mut self, sample: &GnssSample, down: f32) -> Option<f32> {
+        if self.frame.is_some() || !sample.is_fix() {
+            return None;
+        }
+        let above = saturate(down, 1e5) * 1e3;
+        self.frame = Some(LocalFrame::new(GlobalPosition {
+            altitude: sample.position.altitude.saturating_add(above as i32),
+            ..sample.position
+        }));
+        if self.declination.is_some() {
+            return None;
+        }
+        self.declination = Some(declination(sample.position));
+        self.declination
+    }
+
+    /// The filter began with magnetic north for north: what it believes is turned to true north.
+    #[cold]
+    #[inline(never)]
+    fn find_north(&mut self, filter: &mut Filter, declination: f32) {
+        if !self.is_north_true && filter.turn(declination).is_ok() {
+            self.interference.turn(declination);
         }
     }
 
@@ -205,7 +231,7 @@ impl Aiding {
             field: CompassCorrection::new(settings.calibration).apply(self.fitting.field(sample.counts)),
             deviation: settings.estimation.compass_noise,
             repeats: 1.0,
-            declination: self.declination,
+            declination: self.declination.unwrap_or(0.0),
         }
     }
 
@@ -300,7 +326,7 @@ impl Aiding {
             time: sample.time.min(now),
             field,
             repeats: trust.repeats,
-            declination: self.declination - trust.offset,
+            declination: measured.declination - trust.offset,
             ..measured
         });
         if let Ok(report) = &outcome
@@ -330,7 +356,9 @@ impl Aiding {
         if !sample.is_fix() || self.hangs(sample) {
             return;
         }
-        self.find_origin(sample, filter.state().position.z);
+        if let Some(declination) = self.find_origin(sample, filter.state().position.z) {
+            self.find_north(filter, declination);
+        }
         let Some(frame) = &self.frame else {
             return;
         };

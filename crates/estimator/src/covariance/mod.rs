@@ -8,11 +8,13 @@
 //! - `predict`: P ← F P Fᵀ + Q, as three row operations in place.
 //! - `column` and `update`: one scalar measurement.
 //! - `bound`: decoupling, floor and ceiling.
+//! - `turn`: other world axes.
 
 pub(crate) mod block;
 mod bound;
 mod column;
 mod predict;
+mod turn;
 mod update;
 
 pub use bound::Limits;

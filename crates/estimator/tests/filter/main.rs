@@ -13,3 +13,4 @@ mod oracle;
 mod propagation;
 mod random;
 mod refusals;
+mod turned;

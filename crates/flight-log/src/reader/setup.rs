@@ -122,7 +122,7 @@ fn outer(log: &Log<'_>) -> Result<OuterConfig, SetupError> {
     let known: u32 = required(log.value("home_known"), "home_known")?;
     Ok(OuterConfig {
         home: (known != 0).then_some(home),
-        declination: required(log.value("declination"), "declination")?,
+        declination: log.value("declination"),
         compass: CompassFitting {
             per_count: required(log.value("mag_ut_per_count"), "mag_ut_per_count")?,
             rotation: rotation(log, "mag_rotation")?,

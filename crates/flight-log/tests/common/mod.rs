@@ -138,12 +138,16 @@ pub fn config(imu_rate: u32) -> InnerConfig {
 pub fn outer_config() -> OuterConfig {
     OuterConfig {
         home: Some(HOME),
-        declination: 0.05,
+        declination: Some(0.05),
         ..OuterConfig::default()
     }
 }
 
 pub fn header_bytes(imu_rate: u32, mission: &[MissionItem]) -> Vec<u8> {
+    header_with(&outer_config(), imu_rate, mission)
+}
+
+pub fn header_with(outer: &OuterConfig, imu_rate: u32, mission: &[MissionItem]) -> Vec<u8> {
     let parameters = parameters();
     let header = Header {
         time: 0,
@@ -152,7 +156,7 @@ pub fn header_bytes(imu_rate: u32, mission: &[MissionItem]) -> Vec<u8> {
         board: "none",
         inner: config(imu_rate),
         parameters: &parameters,
-        outer: outer_config(),
+        outer: *outer,
         reset_cause: "power",
         mission_crc: mission_crc(mission.iter().copied()),
         plans: &[Plan {

@@ -174,6 +174,7 @@ impl WorldArgs {
             errors: None,
             remote: self.rc,
             charge: self.battery.map(|Percent(percent)| percent * 0.01),
+            own_declination: false,
         }))
     }
 
