@@ -53,17 +53,24 @@ pub fn fly() -> Outcome {
     Ok(())
 }
 
-/// A ground station uploads to the flashed firmware on the emulated board, which keeps it and flies it.
-pub fn fly_board() -> Outcome {
+/// A ground station uploads to the flashed firmware on the emulated board, which keeps it and flies it; where
+/// it may take `long`, from the upload and from flash, and then another one.
+pub fn fly_board(long: bool) -> Outcome {
     let python = environment()?;
     let elf = firmware::build()?;
     run(cargo(["build", "--locked", "--release", "--package", "windhover-hil"]).arg("--quiet"))?;
     let target = target_directory()?;
-    let script = root().join("tests").join("clients").join("hil_monitoring.py");
-    let mut client = Command::new(&python);
-    client.arg(script);
-    client.env("WINDHOVER_HIL", target.join("release").join("windhover-hil"));
-    run(client.env("WINDHOVER_ELF", elf))
+    let client = |script: &str, options: &[&str]| {
+        let mut client = Command::new(&python);
+        client.arg(root().join("tests").join("clients").join(script));
+        client.args(options).env("WINDHOVER_ELF", &elf);
+        run(client.env("WINDHOVER_HIL", target.join("release").join("windhover-hil")))
+    };
+    if !long {
+        return client("hil_monitoring.py", &[]);
+    }
+    client("hil_monitoring.py", &["--twice"])?;
+    client("hil_mavsdk.py", &[])
 }
 
 /// Logs of whole flights, and the small ones of the log's own tests.

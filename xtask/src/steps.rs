@@ -26,6 +26,8 @@ enum Run {
     Check(fn() -> Outcome),
     /// Tests, which heed [`LONG`].
     Tests(fn() -> Command),
+    /// What does more where it is told to take long.
+    Longer(fn(bool) -> Outcome),
 }
 
 const STEPS: &[Step] = &[
@@ -110,11 +112,11 @@ const STEPS: &[Step] = &[
         "the emulated board, and the firmware's flights on it",
         cargo_checks::emulated_board,
     ),
-    step(
-        "hil-clients",
-        "pymavlink uploads to the flashed firmware on the emulated board, and flies it from flash",
-        python::fly_board,
-    ),
+    Step {
+        name: "hil-clients",
+        what: "pymavlink uploads to the flashed firmware on the emulated board, and flies it from flash",
+        run: Run::Longer(python::fly_board),
+    },
     step(
         "count",
         "the steps and the core's functions take no more instructions than they may",
@@ -136,6 +138,7 @@ impl Step {
     fn run(&self, long: bool) -> Outcome {
         match self.run {
             Run::Check(check) => check(),
+            Run::Longer(check) => check(long),
             Run::Tests(command) if long => run(command().env(LONG, "1")),
             Run::Tests(command) => run(command().env(CASES.0, CASES.1)),
         }
