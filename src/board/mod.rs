@@ -1,6 +1,7 @@
 //! One file a flight board: everything that differs from board to board. What all boards with an
 //! STM32F405 share is in [`stm32f405`].
 
+mod i2c_transfer;
 mod sensor_bus;
 mod serial;
 mod stm32f405;

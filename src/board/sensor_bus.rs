@@ -1,20 +1,20 @@
-//! The bus of barometer and compass: I2C1, blocking, with an end to every wait.
+//! The bus of barometer and compass: I2C1, blocking, with an end to every wait. The HAL sets it up;
+//! transfers are our own.
 
+use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Flex, Speed};
 use embassy_stm32::i2c::{Config, Error, I2c as HalI2c, Master};
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::peripherals::{I2C1, PB8, PB9};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Peri, pac};
 use embassy_time::{Delay, Duration};
 use embedded_hal::i2c::{ErrorType, I2c, Operation};
 use windhover_drivers::i2c_recovery::{Held, recover};
 
+use super::i2c_transfer::transfer;
+
 /// The longest that one transfer may take.
 const PATIENCE: Duration = Duration::from_millis(2);
-
-/// Looks at the stop condition of the transfer before, which takes some µs: far more than it needs.
-const LOOKS: usize = 1000;
 
 /// The bus.
 pub struct SensorBus {
@@ -72,31 +72,6 @@ impl SensorBus {
         self.open();
         outcome
     }
-
-    fn transfer(
-        &mut self,
-        act: impl FnOnce(&mut HalI2c<'static, Blocking, Master>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        settle();
-        self.bus.as_mut().map_or(Err(Error::Bus), act)
-    }
-}
-
-/// Waits for the stop of the transfer before, and drops what it read too much: a transfer that is
-/// preempted for longer than a byte takes acknowledges one byte more than it wants, and that byte
-/// would be the first of the next transfer.
-fn settle() {
-    for _ in 0..LOOKS {
-        if !pac::I2C1.cr1().read().stop() {
-            break;
-        }
-    }
-    // One in the data register, one behind it.
-    for _ in 0..2 {
-        if pac::I2C1.sr1().read().rxne() {
-            pac::I2C1.dr().read();
-        }
-    }
 }
 
 impl ErrorType for SensorBus {
@@ -104,15 +79,13 @@ impl ErrorType for SensorBus {
 }
 
 impl I2c for SensorBus {
-    fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), Error> {
-        self.transfer(|bus| bus.blocking_write(address, bytes))
-    }
-
-    fn write_read(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), Error> {
-        self.transfer(|bus| bus.blocking_write_read(address, write, read))
-    }
-
+    /// A write, a read, or a read behind a write: what our drivers do. Others are refused.
     fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Error> {
-        self.transfer(|bus| bus.blocking_transaction(address, operations))
+        match operations {
+            [Operation::Write(write)] => transfer(address, write, &mut [], PATIENCE),
+            [Operation::Read(read)] => transfer(address, &[], read, PATIENCE),
+            [Operation::Write(write), Operation::Read(read)] => transfer(address, write, read, PATIENCE),
+            _ => Err(Error::Bus),
+        }
     }
 }

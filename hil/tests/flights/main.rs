@@ -6,9 +6,12 @@
 mod board;
 mod faults;
 mod ground;
+mod journal;
 mod monitoring;
 mod power;
 mod replays;
+mod rows;
+mod start;
 mod station;
 
 use std::path::{Path, PathBuf};
@@ -21,6 +24,8 @@ use windhover_hil::flight::{Flight, Plan};
 use windhover_hil::rig;
 use windhover_hil::time::SECOND;
 use windhover_model::Vehicle;
+use windhover_model::sensor::gnss::GnssSite;
+use windhover_sim::sensors::Sensors;
 
 /// The firmware, built as it is flashed.
 fn firmware() -> Arc<Elf> {
@@ -57,6 +62,17 @@ fn plan(seconds: f64) -> Plan {
         record_every: 0,
         ..plan.rig
     };
+    plan
+}
+
+/// What the sensors are calibrated against is fitted at the factory, so to speak.
+const CALIBRATED: [&str; 3] = ["CAL_GYRO0_ID", "CAL_ACC0_ID", "CAL_MAG0_ID"];
+
+/// A board with all sensors, in calm air.
+fn on_sensors(rate: u32, seed: u64) -> Plan {
+    let mut plan = plan(1.0);
+    let suite = Sensors::default().suite(&plan.vehicle, GnssSite::default().home, rate, seed);
+    plan.rig.sensors = Some(suite);
     plan
 }
 

@@ -6,21 +6,14 @@ use mavlink::dialects::common::{HEARTBEAT_DATA, MavCmd, MavMissionResult, MavRes
 use windhover_hil::figures::Figures;
 use windhover_hil::flight::{Outcome, Plan};
 use windhover_hil::time::SECOND;
-use windhover_model::sensor::gnss::GnssSite;
 use windhover_model::{Conditions, mean_wind_from};
-use windhover_sim::sensors::Sensors;
 
-use crate::plan;
 use crate::station::{Station, monitoring};
-
-/// What the sensors are calibrated against is fitted at the factory, so to speak.
-const CALIBRATED: [&str; 3] = ["CAL_GYRO0_ID", "CAL_ACC0_ID", "CAL_MAG0_ID"];
+use crate::{CALIBRATED, on_sensors};
 
 /// A board with all sensors at the mission's home, in wind.
-fn on_sensors(rate: u32, seed: u64) -> Plan {
-    let mut plan = plan(1.0);
-    let suite = Sensors::default().suite(&plan.vehicle, GnssSite::default().home, rate, seed);
-    plan.rig.sensors = Some(suite);
+fn in_wind(rate: u32, seed: u64) -> Plan {
+    let mut plan = on_sensors(rate, seed);
     plan.conditions = Conditions {
         wind: mean_wind_from(4.47, 206.6),
         gust: 1.0,
@@ -65,7 +58,7 @@ fn fly_the_mission(station: &mut Station) -> Figures {
 /// replays equal.
 #[test]
 fn the_flashed_firmware_flies_the_uploaded_mission_on_its_sensors() {
-    let mut station = Station::new(&on_sensors(1000, 1));
+    let mut station = Station::new(&in_wind(1000, 1));
     station.wait::<HEARTBEAT_DATA>(5.0, |_| true);
     for name in CALIBRATED {
         station.set_parameter(name, 1.0);

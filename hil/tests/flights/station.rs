@@ -8,7 +8,9 @@ use mavlink::{MavlinkVersion, MessageData};
 use windhover_autopilot::mission::MissionItem;
 use windhover_ground_link::Address;
 use windhover_ground_link::frame::{MAX_FRAME, Parser, Writer};
-use windhover_hil::flight::{Flight, Plan};
+use windhover_hil::flight::{Flight, FlightError, Plan};
+use windhover_hil::log::Line;
+use windhover_hil::machine::Stop;
 use windhover_hil::time::SECOND;
 use windhover_sim::mission_file;
 
@@ -41,6 +43,8 @@ pub struct Station {
     pub armed: bool,
     /// Photos that were told.
     pub photos: usize,
+    /// How often power failed, and came back at once.
+    pub power_failures: usize,
     next_heartbeat: u64,
 }
 
@@ -64,6 +68,7 @@ impl Station {
             texts: Vec::new(),
             armed: false,
             photos: 0,
+            power_failures: 0,
             next_heartbeat: 0,
         }
     }
@@ -98,7 +103,13 @@ impl Station {
             });
         }
         let until = self.flight.machine.now() + LOOK;
-        self.flight.run(until).expect("nothing that it must not do");
+        match self.flight.run(until) {
+            Err(FlightError::Stop(Stop::PowerFailure { .. })) => {
+                self.power_failures += 1;
+                return self.cut_power();
+            }
+            outcome => outcome.expect("nothing that it must not do"),
+        }
         let answers = self.flight.machine.bus().wiring.take_answers();
         let bytes: Vec<u8> = answers.into_iter().map(|(_, byte)| byte).collect();
         let mut came = Vec::new();
@@ -216,9 +227,10 @@ impl Station {
         }
     }
 
-    /// Uploads the items as the mission: gives what is asked for.
+    /// Uploads the items as the mission: gives what is asked for. Power that fails cancels it.
     pub fn upload(&mut self, items: &[MissionItem]) -> MavMissionResult {
         self.seen.clear();
+        let failures = self.power_failures;
         self.send(&MISSION_COUNT_DATA {
             count: items.len() as u16,
             target_system: 1,
@@ -236,6 +248,9 @@ impl Station {
                 }
             }
             self.step();
+            if self.power_failures > failures {
+                return MavMissionResult::MAV_MISSION_OPERATION_CANCELLED;
+            }
         }
         panic!("the upload does not end");
     }
@@ -274,8 +289,8 @@ impl Station {
         self.value(name)
     }
 
-    /// Sets a parameter.
-    pub fn set_parameter(&mut self, name: &str, value: f32) {
+    /// Asks for another value of a parameter.
+    pub fn ask_for_value(&mut self, name: &str, value: f32) {
         self.send(&PARAM_SET_DATA {
             param_value: value,
             target_system: 1,
@@ -283,6 +298,11 @@ impl Station {
             param_id: name.into(),
             param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
         });
+    }
+
+    /// Sets a parameter.
+    pub fn set_parameter(&mut self, name: &str, value: f32) {
+        self.ask_for_value(name, value);
         assert_eq!(self.value(name), value, "{name}");
     }
 
@@ -293,13 +313,24 @@ impl Station {
 
     /// Power is away for a moment.
     pub fn power_cycle(&mut self) {
+        self.cut_power();
+        self.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+    }
+
+    fn cut_power(&mut self) {
         self.flight.machine.power_cycle();
         self.flight.machine.bus().wiring.take_answers();
         self.parser = Parser::default();
         self.seen.clear();
         self.armed = false;
         self.photos = 0;
-        self.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+    }
+
+    /// What the firmware said since its last start.
+    pub fn said(&self) -> &[Line] {
+        let begins = |line: &Line| line.message.starts_with("windhover on ");
+        let begin = self.flight.lines.iter().rposition(begins);
+        &self.flight.lines[begin.unwrap_or(0)..]
     }
 }
 

@@ -298,6 +298,12 @@ impl Estimation {
         matches!(health, Some(Health::Lost { .. }))
     }
 
+    /// Whether the filter runs on sensors, and this one has never been heard of.
+    pub fn misses(&self, sensor: Sensor) -> bool {
+        let health = self.filter().map(|filter| filter.health(sensor));
+        matches!(health, Some(Health::Unseen))
+    }
+
     /// Whether the vehicle flies on its own sensors.
     pub fn is_on_sensors(&self) -> bool {
         !matches!(self.stage, Stage::External(_))

@@ -1,5 +1,6 @@
 //! What the operator wants, and what speaks against it.
 
+use windhover_estimator::Sensor;
 use windhover_math::geodesy::LocalFrame;
 use windhover_math::{Vector3, sqrt};
 
@@ -374,6 +375,7 @@ impl Outer {
         let needs = mode.needs(self.setpoint_needs_position());
         let needs_position = needs.contains(Need::Position);
         let on_sensors = self.estimation.is_on_sensors();
+        let misses = |sensor| self.estimation.misses(sensor);
         let uncalibrated = |id: f32| on_sensors && id < 0.5;
         let cos_tilt = estimate.attitude.cos_tilt();
         let active = self.watch.active();
@@ -396,11 +398,12 @@ impl Outer {
             )
             .with(
                 Blocker::CompassFault,
-                needs_position && self.estimation.is_compass_lost(),
+                needs_position && (self.estimation.is_compass_lost() || misses(Sensor::Compass)),
             )
             .with(
                 Blocker::BarometerFault,
-                needs.contains(Need::Height) && self.estimation.is_barometer_lost(),
+                needs.contains(Need::Height)
+                    && (self.estimation.is_barometer_lost() || misses(Sensor::Barometer)),
             )
             .with(Blocker::BatteryLow, battery_low)
             .with(Blocker::RcMissing, p.rc.needs_remote() && !self.remote.was_seen())

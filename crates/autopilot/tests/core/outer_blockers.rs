@@ -133,6 +133,8 @@ fn scenes() -> Vec<(Flight, &'static [Blocker])> {
                 GyroUncalibrated,
                 AccelerometerUncalibrated,
                 CompassUncalibrated,
+                CompassFault,
+                BarometerFault,
                 HeadingUnknown,
                 PositionUnknown,
             ],
