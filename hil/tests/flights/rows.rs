@@ -394,7 +394,7 @@ fn fails_in_flight(failing: &Failing, rate: u32) {
             look_on(&mut station, seconds, &what);
             assert!(station.armed, "{what}: {:#?}", station.texts);
             let moved = station.flight.truth().position - before.position;
-            let (across, down) = (moved.x.hypot(moved.y), moved.z);
+            let (across, down) = ((moved.x * moved.x + moved.y * moved.y).sqrt(), moved.z);
             println!("{what}: moved by {across:.2} m, {down:.2} m down");
             assert!(
                 across < drift && down.abs() < 1.5,
@@ -405,7 +405,7 @@ fn fails_in_flight(failing: &Failing, rate: u32) {
             look_on(&mut station, 30.0, &what);
             assert!(!station.armed, "{what}: it does not land: {:#?}", station.texts);
             let truth = station.flight.truth();
-            let away = truth.position.x.hypot(truth.position.y);
+            let away = truth.position.xy().norm();
             println!(
                 "{what}: on the ground {away:.2} m away, after {:.1} s",
                 station.time() - AT
