@@ -405,7 +405,7 @@ fn fails_in_flight(failing: &Failing, rate: u32) {
             look_on(&mut station, 30.0, &what);
             assert!(!station.armed, "{what}: it does not land: {:#?}", station.texts);
             let truth = station.flight.truth();
-            let away = truth.position.xy().norm();
+            let away = (truth.position.x * truth.position.x + truth.position.y * truth.position.y).sqrt();
             println!(
                 "{what}: on the ground {away:.2} m away, after {:.1} s",
                 station.time() - AT
