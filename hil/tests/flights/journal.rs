@@ -76,7 +76,7 @@ fn power_that_fails_while_a_station_stores_leaves_old_or_new() {
         let failures = station.power_failures;
         let has = [number % 3 != 1, number % 3 != 0];
         // As many as a mission of this length takes, or a parameter.
-        let most = if has[1] { 300 } else { 30 };
+        let most = if has[1] { 250 } else { 30 };
         let mut new = old.clone();
         let first = station.flight.machine.bus().flash_operations();
         station
