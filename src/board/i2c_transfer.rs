@@ -1,9 +1,10 @@
-//! Transfers of I2C1 as master, which may be preempted anywhere and for however long (RM0090 27.3.3,
-//! application note AN2824).
+//! Transfers of I2C1 as master, which may be preempted anywhere and for however long (RM0090
+//! 27.3.3, application note AN2824).
 //!
-//! The HAL reads byte by byte. Preempted between the last byte but one and its refusal of the last for as
-//! long as two bytes take, it has acknowledged one too many, and the stop that it then asks for waits for
-//! a part that drives the data line. Here the clock is held low (BTF) whenever time matters.
+//! The HAL reads byte by byte. Preempted between the last byte but one and its refusal of the last
+//! for as long as two bytes take, it has acknowledged one too many, and the stop that it then asks
+//! for waits for a part that drives the data line. Here the clock is held low (BTF) whenever time
+//! matters.
 
 use cortex_m::interrupt;
 use embassy_stm32::i2c::Error;
@@ -110,8 +111,8 @@ fn data() -> u8 {
     I2C1.dr().read().dr()
 }
 
-/// Waits for a flag. What is there counts before the time that has passed, most of which may have been
-/// others'.
+/// Waits for a flag. What is there counts before the time that has passed, most of which may have
+/// been others'.
 fn wait(until: Instant, flag: impl Fn(&Sr1) -> bool) -> Result<(), Error> {
     loop {
         let status = I2C1.sr1().read();

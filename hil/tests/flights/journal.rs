@@ -60,9 +60,9 @@ fn errors(station: &Station) -> Vec<String> {
     errors.map(|line| line.message.clone()).collect()
 }
 
-/// At random operations of the flash while a mission, a parameter, or both are stored: the next start
-/// finds the old or the new one of each, whole, and nothing that is damaged. The journal is never made
-/// anew, so that its pages turn in between.
+/// At random operations of the flash while a mission, a parameter, or both are stored: the next
+/// start finds the old or the new one of each, whole, and nothing that is damaged. The journal is
+/// never made anew, so that its pages turn in between.
 #[test]
 fn power_that_fails_while_a_station_stores_leaves_old_or_new() {
     let moments = if is_long() { 1000 } else { 100 };
@@ -144,8 +144,8 @@ fn power_that_fails_while_a_station_stores_leaves_old_or_new() {
 }
 
 /// Bits of a journal with a mission and parameters in it flip, one each time, where something is
-/// written and elsewhere: the next start has what was stored, or says that it is damaged, does not arm
-/// for it, and has defaults.
+/// written and elsewhere: the next start has what was stored, or says that it is damaged, does not
+/// arm for it, and has defaults.
 #[test]
 fn a_bit_that_flips_in_the_journal_is_told_or_does_no_harm() {
     let flips = if is_long() { 500 } else { 48 };

@@ -1,5 +1,5 @@
-//! Parts that are missing at the start or fail in flight, by the name of the fault: arming is refused
-//! with the reason, and in flight the supervisor's row acts.
+//! Parts that are missing at the start or fail in flight, by the name of the fault: arming is
+//! refused with the reason, and in flight the supervisor's row acts.
 
 use std::sync::OnceLock;
 
@@ -16,8 +16,8 @@ use crate::journal::{image, put_image};
 use crate::station::Station;
 use crate::{CALIBRATED, firmware, is_long, on_sensors};
 
-/// Missing parts are plugged in at this time, s since power-on: later than a whole vehicle needs to be
-/// ready.
+/// Missing parts are plugged in at this time, s since power-on: later than a whole vehicle needs to
+/// be ready.
 const PLUGGED: f64 = 9.0;
 
 /// Parts fail at this time: while the vehicle hovers.
@@ -168,8 +168,7 @@ const ABSENT: [Absent; 9] = [
     },
 ];
 
-/// It starts without, names what is missing, refuses to arm for that and nothing else, and arms once
-/// all is there.
+/// It starts without, names what is missing, refuses to arm for that, and arms once all is there.
 fn starts_without(absent: &Absent) {
     let what = absent.names.join(", ");
     let mut plan = on_sensors(1000, 1);
@@ -338,7 +337,8 @@ const FAILING: [Failing; 10] = [
     },
 ];
 
-/// Looks on for some time, or until it disarms: the attitude is kept, and the ground is touched gently.
+/// Looks on for some time, or until it disarms: the attitude is kept, and the ground is touched
+/// gently.
 fn look_on(station: &mut Station, seconds: f64, what: &str) {
     let until = station.time() + seconds;
     let (mut before, mut fastest, mut tilt) = (station.flight.truth(), 0.0f64, 1.0f64);
@@ -469,8 +469,8 @@ fn what_fails_in_flight_is_told_and_its_row_acts() {
     }
 }
 
-/// Random bytes on every port, one behind the other at the rate of its other end: the loops keep all
-/// deadlines, the log is whole, and what the firmware sends still comes.
+/// Random bytes on every port, one behind the other at the rate of its other end: the loops keep
+/// all deadlines, the log is whole, and what the firmware sends still comes.
 fn bears_babble(rate: u32) {
     let what = format!("babble at {rate} Hz");
     let mut plan = on_sensors(rate, 1);

@@ -18,8 +18,8 @@ fn said(flight: &Flight, since: u64, message: &str) -> bool {
     lines.any(|line| line.message == message)
 }
 
-/// The first step of the inner loop behind a data-ready, and the first of the outer loop with inertial
-/// sensors, barometer and compass at work.
+/// The first step of the inner loop behind a data-ready, and the first of the outer loop with
+/// inertial sensors, barometer and compass at work.
 #[test]
 fn a_cold_start_is_fast() {
     let mut flight = Flight::new(firmware(), &on_sensors(1000, 1)).expect("the firmware runs");
