@@ -48,7 +48,7 @@ fn at_1_khz() {
 
 #[test]
 fn at_4_khz() {
-    holds_and_replays(4000.0, if is_long() { 60.0 } else { 8.0 });
+    holds_and_replays(4000.0, if is_long() { 60.0 } else { 20.0 });
 }
 
 /// An outer step that takes up to three periods misses boundaries; nothing about that is lost.
