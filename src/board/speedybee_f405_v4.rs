@@ -21,7 +21,7 @@ use embassy_stm32::adc::{Adc, SampleTime};
 use embassy_stm32::gpio::{Level, Output, OutputType, Speed};
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::mode::Async;
-use embassy_stm32::pac::gpio::vals::{Moder, Ot};
+use embassy_stm32::pac::gpio::vals::Moder;
 use embassy_stm32::pac::{self, EXTI, GPIOB, GPIOC, RCC, SYSCFG};
 use embassy_stm32::peripherals::{
     ADC1, IWDG, PB0, PB1, PB6, PB7, PC0, PC1, TIM3, TIM4, USART1, USART2, USART6,
@@ -60,7 +60,13 @@ pub const GROUND_LINK_BAUD: u32 = 115_200;
 pub type Imu = Icm42688p<Spi<'static, Async, spi::mode::Master>, Output<'static>>;
 
 /// Pads M1 to M4: their pin numbers on port B.
-const MOTOR_PINS: [usize; 4] = [6, 7, 0, 1];
+const MOTOR_PINS: [u32; 4] = [6, 7, 0, 1];
+
+/// A register with these bits for each of the motors' pins, so many bits a pin.
+const fn spread(width: u32, bits: u32) -> u32 {
+    let [m1, m2, m3, m4] = MOTOR_PINS;
+    bits << (width * m1) | bits << (width * m2) | bits << (width * m3) | bits << (width * m4)
+}
 
 bind_interrupts!(struct Interrupts {
     DMA2_STREAM0 => dma::InterruptHandler<peripherals::DMA2_CH0>;
@@ -85,21 +91,12 @@ bind_interrupts!(struct Interrupts {
 pub fn motors_off() {
     RCC.ahb1enr().modify(|enable| enable.set_gpioben(true));
     RCC.ahb1enr().read(); // errata: a port answers two cycles after its clock is enabled
-    GPIOB.bsrr().write(|set| {
-        for pin in MOTOR_PINS {
-            set.set_br(pin, true);
-        }
-    });
-    GPIOB.otyper().modify(|kind| {
-        for pin in MOTOR_PINS {
-            kind.set_ot(pin, Ot::PUSH_PULL);
-        }
-    });
-    GPIOB.moder().modify(|mode| {
-        for pin in MOTOR_PINS {
-            mode.set_moder(pin, Moder::OUTPUT);
-        }
-    });
+    // As masks: built for size, pin by pin takes too long at the clock of a reset.
+    GPIOB.bsrr().write(|set| set.0 = const { spread(1, 1) } << 16);
+    GPIOB.otyper().modify(|kind| kind.0 &= !const { spread(1, 1) });
+    GPIOB
+        .moder()
+        .modify(|mode| mode.0 = mode.0 & !const { spread(2, 0b11) } | const { spread(2, 0b01) });
     RCC.apb1rstr().modify(|reset| {
         reset.set_tim3rst(true);
         reset.set_tim4rst(true);

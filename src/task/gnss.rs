@@ -2,7 +2,7 @@
 
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, Timer};
 use windhover_autopilot::GnssSample;
 use windhover_drivers::ublox::{Action, Message, NavPvt, Parser, Setup};
 use windhover_math::geodesy::GlobalPosition;
@@ -20,9 +20,8 @@ pub async fn gnss(mut receiver: SerialReceiver, mut sender: UartTx<'static, Asyn
     let (mut parser, mut setup) = (Parser::new(), Setup::new());
     let mut health = Reported::new("satellite receiver");
     let mut bytes = [0; 128];
-    let mut ticker = Ticker::every(PERIOD);
     loop {
-        ticker.next().await;
+        Timer::after(PERIOD).await;
         let now = Instant::now().as_micros();
         let count = receiver.take(&mut bytes).count;
         parser.feed(bytes.get(..count).unwrap_or_default(), |message| {

@@ -4,7 +4,7 @@ use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::pipe::Pipe;
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, Timer};
 use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_flight_log::version;
 use windhover_ground_link::{Address, Config, Link};
@@ -21,8 +21,8 @@ use crate::start::Stored;
 /// the clock and not by the byte: a port on which something babbles gets no more of the processor.
 const PERIOD: Duration = Duration::from_millis(5);
 
-/// Bytes that are looked at each time: twice what can come.
-const LOOKED_AT: usize = 128;
+/// Bytes that are looked at each time: four times what can come, where others left no time for long.
+const LOOKED_AT: usize = 256;
 
 /// Looks from one comparison of what is stored with what the core has to the next: 50 ms.
 const STORE_EVERY: u32 = 10;
@@ -143,9 +143,9 @@ impl Ground {
 #[embassy_executor::task]
 pub async fn ground_link(mut port: SerialReceiver, ground: &'static mut Ground, stored: &'static mut Stored) {
     let mut bytes = [0; LOOKED_AT];
-    let mut ticker = Ticker::every(PERIOD);
     for look in (0..STORE_EVERY).cycle() {
-        ticker.next().await;
+        // Looks that were missed are not made up for: they would take the time that is missing.
+        Timer::after(PERIOD).await;
         let count = port.take(&mut bytes).count;
         let received = bytes.get(..count).unwrap_or_default();
         let now = Instant::now().as_micros();

@@ -1,7 +1,7 @@
 //! The remote control's receiver.
 
 use embassy_stm32::usart::{self, DataBits};
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, Timer};
 use windhover_autopilot::RcFrame;
 use windhover_drivers::rc_receiver::{Line, Parity, RcReceiver, StopBits};
 
@@ -17,9 +17,8 @@ pub async fn remote(mut receiver: SerialReceiver) {
     let mut remote = RcReceiver::default();
     let mut protocol = None;
     let mut bytes = [0; 64];
-    let mut ticker = Ticker::every(PERIOD);
     loop {
-        ticker.next().await;
+        Timer::after(PERIOD).await;
         let now = Instant::now().as_micros();
         let taken = receiver.take(&mut bytes);
         if taken.faulty {

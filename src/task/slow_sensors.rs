@@ -1,6 +1,6 @@
 //! Barometer and compass on their bus, and the battery.
 
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, Timer};
 use windhover_autopilot::{BarometerSample, BatterySample, CompassSample};
 use windhover_drivers::health::Health;
 use windhover_drivers::ist8310::Ist8310;
@@ -25,9 +25,8 @@ pub async fn slow_sensors(mut bus: SensorBus, mut battery: BatteryInputs) {
     let (mut barometer, mut compass) = (Spl06::new(), Ist8310::new());
     let mut told = [Reported::new("barometer"), Reported::new("compass")];
     let mut recovered_at = 0;
-    let mut ticker = Ticker::every(PERIOD);
     for look in (0..BATTERY_EVERY).cycle() {
-        ticker.next().await;
+        Timer::after(PERIOD).await;
         let now = Instant::now().as_micros();
         if let Some(reading) = barometer.poll(&mut bus, now) {
             let sample = BarometerSample {
