@@ -27,8 +27,11 @@ const LOOKED_AT: usize = 256;
 /// Looks from one comparison of what is stored with what the core has to the next: 50 ms.
 const STORE_EVERY: u32 = 10;
 
-/// A restart that was asked for waits for so long for what is still to be stored, µs.
+/// A restart that was asked for waits for so long at most for what is still to be stored, µs.
 const PATIENCE: u64 = 3_000_000;
+
+/// And for so long at least, µs, so that its answer goes out: twice what a full [`OUTGOING`] takes.
+const FAREWELL: u64 = 200_000;
 
 /// Bytes on their way out: an answer to each of a few questions, and telemetry.
 const OUT: usize = 1024;
@@ -44,8 +47,8 @@ pub struct Ground {
     links: [Link; 1],
     vehicle: VehicleLink,
     told: Told,
-    /// A restart was asked for, and comes by then, µs.
-    restart_by: Option<u64>,
+    /// When a restart was asked for, µs.
+    restart_asked: Option<u64>,
 }
 
 impl Ground {
@@ -69,7 +72,7 @@ impl Ground {
             links: [link],
             vehicle: VehicleLink::new(parameters, fitting, plans),
             told: Told::default(),
-            restart_by: None,
+            restart_asked: None,
         }
     }
 
@@ -98,7 +101,7 @@ impl Ground {
         let effects = self.vehicle.take_effects();
         if effects.reboot {
             stored.keeper.hurry();
-            self.restart_by = Some(now + PATIENCE);
+            self.restart_asked.get_or_insert(now);
         }
         if effects.store {
             stored.keeper.accept();
@@ -114,7 +117,8 @@ impl Ground {
             plans: self.vehicle.committed(),
         };
         let task = stored.keeper.next(&view, &Shelf);
-        let restarts = self.restart_by.is_some_and(|by| task.is_none() || now > by);
+        let patience = if task.is_none() { FAREWELL } else { PATIENCE };
+        let restarts = self.restart_asked.is_some_and(|asked| now > asked + patience);
         if restarts && !view.armed {
             fault::restart();
         }

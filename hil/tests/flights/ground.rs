@@ -1,8 +1,9 @@
 //! A ground station at the flashed firmware's serial port: what it uploads is there, and is still there
 //! after power has been away.
 
-use mavlink::dialects::common::{HEARTBEAT_DATA, MavMissionResult};
+use mavlink::dialects::common::{HEARTBEAT_DATA, MavCmd, MavMissionResult, MavResult};
 use windhover_hil::serve::memory::Memory;
+use windhover_hil::time::SECOND;
 
 use crate::plan;
 use crate::station::{Station, downloaded, monitoring};
@@ -74,4 +75,24 @@ fn a_file_is_as_good_as_a_flash() {
     assert_eq!(other.parameter("RTL_RETURN_ALT"), 42.0);
     assert_eq!(other.download(), downloaded(&items));
     std::fs::remove_dir_all(folder).expect("it was made here");
+}
+
+/// A restart that comes before its answer has left looks like a vehicle that is gone: whenever it is
+/// asked for between two looks at what is to be stored, the answer comes first.
+#[test]
+fn a_restart_is_answered_first() {
+    let mut station = Station::new(&plan(1.0));
+    for starts in 1..=10 {
+        station.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+        // Everything is stored, so that nothing holds it up.
+        station.run(1.0);
+        let ask = station.flight.machine.now() + starts * SECOND / 200;
+        station.flight.run(ask).expect("it runs");
+        let restart = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let answer = station.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, restart);
+        assert_eq!(answer, MavResult::MAV_RESULT_ACCEPTED);
+        station.until(1.0, "it restarts", |station| {
+            station.flight.machine.resets().len() == starts as usize
+        });
+    }
 }
