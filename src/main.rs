@@ -22,8 +22,6 @@ mod shelf;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
-mod steps;
-#[cfg(target_os = "none")]
 mod task;
 
 /// The order matters: motors are off since before `main`; the cause of the start is known before

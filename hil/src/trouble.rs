@@ -77,9 +77,9 @@ impl FromStr for Trouble {
 }
 
 /// The inner and the outer step in the firmware, and where its thread goes to sleep.
-pub const INNER_STEP: &str = "steps::inner_step";
+pub const INNER_STEP: &str = "inner::Inner::tick";
 /// See [`INNER_STEP`].
-pub const OUTER_STEP: &str = "steps::outer_step";
+pub const OUTER_STEP: &str = "outer_loop::outer_step";
 const SLEEP: &str = "stm32f405::sleep";
 
 /// The lock that everything shared is behind: a `RefCell`, whose count of borrowers comes first.

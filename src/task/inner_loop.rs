@@ -12,7 +12,6 @@ use windhover_drivers::icm42688p::{Error, OutputDataRate};
 use crate::board::{self, Motors};
 use crate::fault::PROGRESS;
 use crate::shared::{self, COUNTERS, DATA_READY, SNAPSHOT};
-use crate::steps::inner_step;
 
 /// Without a sample for so long, the part is set up anew.
 const GIVE_UP: Duration = Duration::from_millis(50);
@@ -61,7 +60,7 @@ impl InnerLoop {
             urgent: shared::take_urgent(),
         };
         let inner = &mut self.inner;
-        let output = shared::with(|shared| Some(inner_step(inner, &input, &mut shared.mailboxes)));
+        let output = shared::with(|shared| Some(inner.tick(&input, &mut shared.mailboxes)));
         let Some(output) = output else { return };
         self.motors.write(output.motors);
         self.command = output.motors;

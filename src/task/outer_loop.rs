@@ -6,12 +6,19 @@ use core::sync::atomic::Ordering;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
-use windhover_autopilot::{Outer, OuterResult};
+use windhover_autopilot::{Outer, OuterResult, Snapshot};
 use windhover_flight_log::{LoggerConfig, Reporter, result_hash};
 
 use crate::fault::PROGRESS;
 use crate::shared::{self, COUNTERS, SNAPSHOT};
-use crate::steps::outer_step;
+use crate::shelf::Shelf;
+
+/// The outer step, on the plans on board. A function of its own: what `cargo xtask count` counts, and
+/// where the emulated board holds the firmware up.
+#[inline(never)]
+fn outer_step(outer: &mut Outer, snapshot: &Snapshot, result: &mut OuterResult) {
+    outer.step_into(snapshot, &Shelf, result);
+}
 
 /// Runs the outer loop for ever.
 #[embassy_executor::task]

@@ -228,7 +228,9 @@ impl Inner {
 
     /// One tick. A result that waits is adopted at a boundary only; where a snapshot is taken it
     /// is put into its mailbox, which is empty then, since the last one has come back as a result.
-    #[inline(always)]
+    ///
+    /// Never a part of its caller: it keeps the optimisation of this crate, and can be counted.
+    #[inline(never)]
     pub fn tick(&mut self, input: &InnerInput, mailboxes: &mut Mailboxes) -> TickOutput {
         let (is_sampled, dt) = self.sample(&input.imu);
         self.latch(input);
@@ -295,6 +297,7 @@ impl Inner {
     }
 
     /// Takes on an outer result, whole.
+    #[inline(never)]
     fn adopt(&mut self, result: &OuterResult) {
         if let Some(parameters) = result.parameters {
             self.controller.retune(&self.parameters.gains, &parameters.gains);
@@ -430,6 +433,7 @@ impl Inner {
     }
 
     /// Freezes what has come together since the last snapshot.
+    #[inline(never)]
     fn snapshot(&mut self, tick: u32, queues: &mut Queues) -> Snapshot {
         let next = Increments {
             gyro_bias: self.predictor.bias(),

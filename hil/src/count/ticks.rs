@@ -13,6 +13,7 @@ use crate::flight::{Flight, FlightError, Plan, Vehicle405};
 use crate::machine::{Calls, Probe};
 use crate::pilot;
 use crate::time::SECOND;
+use crate::trouble::{INNER_STEP, OUTER_STEP};
 
 /// The machine stops so often to be asked, in ticks of virtual time: several times between two
 /// inner ticks, so that each call is seen alone.
@@ -55,8 +56,8 @@ pub struct Ticks {
 /// When it has not these functions, or does what it must not.
 pub fn count(elf: Arc<Elf>, plan: &Plan) -> Result<Ticks, FlightError> {
     let mut flight = Flight::new(elf, plan)?;
-    let mut inner = Sampler::new(&mut flight.machine, "steps::inner_step")?;
-    let mut outer = Sampler::new(&mut flight.machine, "steps::outer_step")?;
+    let mut inner = Sampler::new(&mut flight.machine, INNER_STEP)?;
+    let mut outer = Sampler::new(&mut flight.machine, OUTER_STEP)?;
     let mut filter = Sampler::new(&mut flight.machine, "GyroFilter::step")?;
     let mut ticks = Ticks::default();
     for slice in 1..=DISARMED / SLICE {

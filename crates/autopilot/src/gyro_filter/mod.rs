@@ -186,9 +186,14 @@ impl GyroFilter {
         let mut two = self.smooth.two;
         self.input.push(rate);
         self.smooth.push(now);
-        for (notch, tone) in self.notches.iter().zip(&mut self.tones) {
-            notch.take_out(&self.design.width, &mut now, &mut two, tone);
-        }
+        // One after the other in the text as well: no loop is unrolled in a program that is built for size.
+        let width = &self.design.width;
+        let [n0, n1, n2, n3] = &self.notches;
+        let [t0, t1, t2, t3] = &mut self.tones;
+        n0.take_out(width, &mut now, &mut two, t0);
+        n1.take_out(width, &mut now, &mut two, t1);
+        n2.take_out(width, &mut now, &mut two, t2);
+        n3.take_out(width, &mut now, &mut two, t3);
         self.output = now;
     }
 
