@@ -191,9 +191,7 @@ pub fn take() -> Board {
             Interrupts,
             baud(GROUND_LINK_BAUD),
         );
-        let (sender, receiver) = port.expect("115,200 baud are possible").split();
-        let receiver = SerialReceiver::new(receiver, pac::USART1, stream, 4, GROUND.take());
-        (receiver, sender)
+        both_ways(port, pac::USART1, stream, 4, GROUND.take())
     };
     let gnss = {
         let stream = dma::Channel::new(unsafe { p.DMA2_CH1.clone_unchecked() }, Interrupts);
@@ -206,9 +204,7 @@ pub fn take() -> Board {
             Interrupts,
             baud(115_200),
         );
-        let (sender, receiver) = port.expect("115,200 baud are possible").split();
-        let receiver = SerialReceiver::new(receiver, pac::USART6, stream, 5, GNSS.take());
-        (receiver, sender)
+        both_ways(port, pac::USART6, stream, 5, GNSS.take())
     };
     let remote = {
         let stream = dma::Channel::new(unsafe { p.DMA1_CH5.clone_unchecked() }, Interrupts);
@@ -241,6 +237,21 @@ pub fn take() -> Board {
         watchdog: p.IWDG,
         storage: stm32f405::storage(p.FLASH),
     }
+}
+
+/// The halves of a port that receives into `buffer`; see [`SerialReceiver::new`].
+fn both_ways(
+    port: Result<Uart<'static, Async>, usart::ConfigError>,
+    registers: pac::usart::Usart,
+    stream: dma::Channel<'static>,
+    request: u8,
+    buffer: &'static mut [u8],
+) -> (SerialReceiver, UartTx<'static, Async>) {
+    let (sender, receiver) = port.expect("115,200 baud are possible").split();
+    (
+        SerialReceiver::new(receiver, registers, stream, request, buffer),
+        sender,
+    )
 }
 
 /// The inertial sensors' data-ready line is PC4: EXTI line 4, rising edge.

@@ -6,7 +6,7 @@ use mavlink::dialects::common::*;
 use mavlink::{MavlinkVersion, MessageData};
 use windhover_autopilot::mission::MissionItem;
 use windhover_ground_link::Address;
-use windhover_ground_link::frame::{MAX_FRAME, Parser, Writer};
+use windhover_ground_link::frame::{Frame, MAX_FRAME, Parser, Writer};
 use windhover_math::geodesy::GlobalPosition;
 use windhover_model::random::Random;
 use windhover_sim::flight::Setup;
@@ -44,6 +44,15 @@ pub struct Seen {
 }
 
 impl Seen {
+    /// A frame that came at `time`, µs.
+    pub fn new(time: u64, frame: &Frame<'_>) -> Self {
+        Self {
+            time,
+            id: frame.id,
+            payload: frame.payload.to_vec(),
+        }
+    }
+
     /// The message, if it is one of that type.
     pub fn read<M: MessageData>(&self) -> Option<M> {
         (self.id == M::ID).then(|| M::deser(MavlinkVersion::V2, &self.payload).expect("a valid message"))
@@ -147,13 +156,8 @@ impl Station {
                 continue;
             }
             let (time, seen) = (self.now, &mut self.seen);
-            self.parser.feed(&frame, |frame| {
-                seen.push_back(Seen {
-                    time,
-                    id: frame.id,
-                    payload: frame.payload.to_vec(),
-                });
-            });
+            self.parser
+                .feed(&frame, |frame| seen.push_back(Seen::new(time, frame)));
         }
         self.look();
         self.log.extend(self.served.take_log());

@@ -13,23 +13,12 @@ use windhover_hil::log::Line;
 use windhover_hil::machine::Stop;
 use windhover_hil::time::SECOND;
 use windhover_sim::mission_file;
+use windhover_tests::station::{Seen, item_payload};
 
 use crate::firmware;
 
 /// Between two looks at the port.
 const LOOK: u64 = SECOND / 100;
-
-/// A message as it came.
-struct Seen {
-    id: u32,
-    payload: Vec<u8>,
-}
-
-impl Seen {
-    fn read<M: MessageData>(&self) -> Option<M> {
-        (self.id == M::ID).then(|| M::deser(MavlinkVersion::V2, &self.payload).expect("a valid message"))
-    }
-}
 
 /// A board and a ground station that says once a second that it is there.
 pub struct Station {
@@ -112,13 +101,8 @@ impl Station {
         }
         let answers = self.flight.machine.bus().wiring.take_answers();
         let bytes: Vec<u8> = answers.into_iter().map(|(_, byte)| byte).collect();
-        let mut came = Vec::new();
-        self.parser.feed(&bytes, |frame| {
-            came.push(Seen {
-                id: frame.id,
-                payload: frame.payload.to_vec(),
-            });
-        });
+        let (now, mut came) = (self.flight.machine.now() * 1_000_000 / SECOND, Vec::new());
+        self.parser.feed(&bytes, |frame| came.push(Seen::new(now, frame)));
         came.into_iter().for_each(|seen| self.look(seen));
     }
 
@@ -241,7 +225,7 @@ impl Station {
             while let Some(seen) = self.seen.pop_front() {
                 if let Some(ask) = seen.read::<MISSION_REQUEST_INT_DATA>() {
                     let item = &items[usize::from(ask.seq)];
-                    self.raw(MISSION_ITEM_INT_DATA::ID, &item_payload(ask.seq, item));
+                    self.raw(MISSION_ITEM_INT_DATA::ID, &mission_item(ask.seq, item));
                 }
                 if let Some(ack) = seen.read::<MISSION_ACK_DATA>() {
                     return ack.mavtype;
@@ -334,19 +318,9 @@ impl Station {
     }
 }
 
-/// `MISSION_ITEM_INT`.
-fn item_payload(seq: u16, item: &MissionItem) -> Vec<u8> {
-    let mut payload = Vec::new();
-    for param in item.params {
-        payload.extend(param.to_le_bytes());
-    }
-    payload.extend(item.x.to_le_bytes());
-    payload.extend(item.y.to_le_bytes());
-    payload.extend(item.z.to_le_bytes());
-    payload.extend(seq.to_le_bytes());
-    payload.extend(item.command.to_le_bytes());
-    payload.extend([1, 1, item.frame, 0, u8::from(item.autocontinue), 0]);
-    payload
+/// An item of the mission as it is sent.
+fn mission_item(seq: u16, item: &MissionItem) -> Vec<u8> {
+    item_payload(MavMissionType::MAV_MISSION_TYPE_MISSION, seq, item)
 }
 
 /// What a download gives of an item: all but whom it is for and whether it is the current one.
@@ -357,7 +331,7 @@ fn kept(payload: &[u8]) -> Vec<u8> {
 /// What [`Station::download`] is to give.
 pub fn downloaded(items: &[MissionItem]) -> Vec<Vec<u8>> {
     let items = items.iter().enumerate();
-    let payload = |(seq, item): (usize, &MissionItem)| kept(&item_payload(seq as u16, item)[..]);
+    let payload = |(seq, item): (usize, &MissionItem)| kept(&mission_item(seq as u16, item));
     items.map(payload).collect()
 }
 

@@ -18,7 +18,8 @@ use windhover_hil::time::{MICROSECOND, SECOND};
 use windhover_model::sensor::barometer::atmosphere;
 
 use super::desk::{BSRR, Desk, GPIOB, IDR, MS};
-use super::i2c::{ACK, BAROMETER, CR1, Failure, SCL, SDA, desk};
+use super::i2c::{BAROMETER, Failure, SCL, SDA};
+use super::recovery::reset_in_a_read;
 use super::serial::{PLAIN, USART6};
 
 impl Error for Failure {
@@ -175,17 +176,9 @@ impl DelayNs for Clock<'_> {
 /// The interface is reset at any time of a read; the part may be left driving a zero.
 #[test]
 fn recovery_frees_a_bus_that_was_left_anywhere_in_a_read() {
-    const SWRST: u32 = 1 << 15;
     let mut held = 0;
     for after in 0..80 {
-        let mut desk = desk(&[]);
-        let until = desk.now + 2 * MS;
-        assert_eq!(desk.load(BAROMETER, 0x0F), Ok([0x00]));
-        desk.address(BAROMETER << 1 | 1, ACK, until).unwrap();
-        desk.wait(after * 5 * MICROSECOND);
-        desk.write(CR1, SWRST);
-        desk.write(CR1, 0);
-        desk.wait(MICROSECOND);
+        let mut desk = reset_in_a_read(after);
         held += u32::from(!desk.data());
         desk.write(GPIOB + BSRR, 1 << SCL.number | 1 << SDA.number);
         desk.switch(SCL, 1, 4);

@@ -70,20 +70,26 @@ fn a_line_that_falls_during_a_transfer_ends_it() {
     }
 }
 
+/// The interface is reset after so many half clocks of a read, of coefficients with zeros among their
+/// bits.
+pub fn reset_in_a_read(after: u64) -> Desk {
+    let mut desk = desk(&[]);
+    let until = desk.now + 2 * MS;
+    assert_eq!(desk.load(BAROMETER, 0x0F), Ok([0x00]));
+    desk.address(BAROMETER << 1 | 1, ACK, until).unwrap();
+    desk.wait(after * 5 * MICROSECOND);
+    desk.write(CR1, SWRST);
+    desk.write(CR1, 0);
+    desk.wait(MICROSECOND);
+    desk
+}
+
 /// A reset comes at any time of a read: the part may be left driving a zero, and is clocked free.
 #[test]
 fn after_a_reset_in_the_middle_of_a_read_clocks_free_the_bus() {
     let mut held = 0;
     for after in 0..40 {
-        let mut desk = desk(&[]);
-        // Coefficients, with zeros among their bits.
-        let until = desk.now + 2 * MS;
-        assert_eq!(desk.load(BAROMETER, 0x0F), Ok([0x00]));
-        desk.address(BAROMETER << 1 | 1, ACK, until).unwrap();
-        desk.wait(after * 5 * MICROSECOND);
-        desk.write(CR1, SWRST);
-        desk.write(CR1, 0);
-        desk.wait(MICROSECOND);
+        let mut desk = reset_in_a_read(after);
         if desk.data() {
             continue;
         }
