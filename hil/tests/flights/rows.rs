@@ -360,17 +360,11 @@ fn look_on(station: &mut Station, seconds: f64, what: &str) {
     assert!(fastest < 1.5, "{what}: down at {fastest} m/s");
 }
 
-/// It hovers, parts fail, and it does what the row promises.
-fn fails_in_flight(failing: &Failing, rate: u32) {
-    let what = format!("{} at {rate} Hz", failing.names.join(", "));
-    let mut plan = on_sensors(rate, 1);
-    plan.rig.remote = failing.remote.then_some(Protocol::Crsf);
-    plan.rig.faults = faults(failing.names, &format!("{AT}+{}", failing.lasts));
-    let mut station = station(&plan, rate);
+/// Takes off, and hovers when the time has come.
+fn hover(station: &mut Station, what: &str) {
     station.arm(8.0);
     station.flight.begin_figures();
-    let nan = f32::NAN;
-    let takeoff = station.command(MavCmd::MAV_CMD_NAV_TAKEOFF, [nan, nan, nan, nan, nan, nan, nan]);
+    let takeoff = station.command(MavCmd::MAV_CMD_NAV_TAKEOFF, [f32::NAN; 7]);
     assert_eq!(
         takeoff,
         MavResult::MAV_RESULT_ACCEPTED,
@@ -380,82 +374,95 @@ fn fails_in_flight(failing: &Failing, rate: u32) {
     station.until(5.0, "armed", |station| station.armed);
     println!("{what}: armed after {:.1} s", station.time());
     station.run(AT - station.time());
-    let before = station.flight.truth();
-    let height = -before.position.z;
+    let height = -station.flight.truth().position.z;
     assert!(
         (height - f64::from(HEIGHT)).abs() < 1.0,
         "{what}: at {height} m: {:#?}",
         station.texts
     );
     station.texts.clear();
-    let begun = figures(&mut station, &what);
-    match failing.end {
-        End::Stays(seconds, drift) => {
-            look_on(&mut station, seconds, &what);
-            assert!(station.armed, "{what}: {:#?}", station.texts);
-            let moved = station.flight.truth().position - before.position;
-            let (across, down) = ((moved.x * moved.x + moved.y * moved.y).sqrt(), moved.z);
-            println!("{what}: moved by {across:.2} m, {down:.2} m down");
-            assert!(
-                across < drift && down.abs() < 1.5,
-                "{what}: {across} m, {down} m down"
-            );
-        }
-        End::Returns => {
-            look_on(&mut station, 30.0, &what);
-            assert!(!station.armed, "{what}: it does not land: {:#?}", station.texts);
-            let truth = station.flight.truth();
-            let away = (truth.position.x * truth.position.x + truth.position.y * truth.position.y).sqrt();
-            println!(
-                "{what}: on the ground {away:.2} m away, after {:.1} s",
-                station.time() - AT
-            );
-            assert!(
-                away < 4.0 && -truth.position.z < 0.1,
-                "{what}: {:?}",
-                truth.position
-            );
-            assert!(truth.attitude.down_axis().z > 0.99, "{what}: it stands");
-        }
-    }
-    println!("{what}: {:#?}", station.texts);
+}
+
+/// It stays in the air for so long, and within so many m across.
+fn stays(station: &mut Station, seconds: f64, drift: f64, what: &str) {
+    let begin = station.flight.truth().position;
+    look_on(station, seconds, what);
+    assert!(station.armed, "{what}: {:#?}", station.texts);
+    let moved = station.flight.truth().position - begin;
+    let (across, down) = (moved.x.hypot(moved.y), moved.z);
+    println!("{what}: moved by {across:.2} m, {down:.2} m down");
+    assert!(
+        across < drift && down.abs() < 1.5,
+        "{what}: {across} m, {down} m down"
+    );
+}
+
+/// It lands upright where it armed, and disarms.
+fn returns(station: &mut Station, what: &str) {
+    look_on(station, 30.0, what);
+    assert!(!station.armed, "{what}: it does not land: {:#?}", station.texts);
+    let truth = station.flight.truth();
+    let away = truth.position.x.hypot(truth.position.y);
+    let took = station.time() - AT;
+    println!("{what}: on the ground {away:.2} m away, after {took:.1} s");
+    assert!(
+        away < 4.0 && -truth.position.z < 0.1,
+        "{what}: {:?}",
+        truth.position
+    );
+    assert!(truth.attitude.down_axis().z > 0.99, "{what}: it stands");
+}
+
+/// The pilot is told of each row, and of the one that acts first as of a failsafe.
+fn is_told(texts: &[String], failing: &Failing, what: &str) {
+    println!("{what}: {texts:#?}");
     let told = |prefix: &str, row: Row| {
         let text = format!("{prefix}{}", row.watched().text);
-        station.texts.iter().any(|told| told.starts_with(&text))
+        texts.iter().any(|told| told.starts_with(&text))
     };
     for row in failing.rows {
         let is_told = told("Warning: ", *row) || told("Failsafe: ", *row);
-        assert!(is_told, "{what}: {row:?}: {:#?}", station.texts);
+        assert!(is_told, "{what}: {row:?}: {texts:#?}");
     }
-    let mut failsafes = station
-        .texts
-        .iter()
-        .filter_map(|text| text.strip_prefix("Failsafe: "));
-    let first = failsafes.next();
-    let expected = failing.acts.map(|row| row.watched().text);
-    assert_eq!(
-        first.is_some(),
-        expected.is_some(),
-        "{what}: {:#?}",
-        station.texts
-    );
+    let first = texts.iter().find_map(|text| text.strip_prefix("Failsafe: "));
+    let acts = failing.acts.map(|row| row.watched().text);
+    assert_eq!(first.is_some(), acts.is_some(), "{what}: {texts:#?}");
     assert!(
-        first
-            .unwrap_or_default()
-            .starts_with(expected.unwrap_or_default()),
+        first.unwrap_or_default().starts_with(acts.unwrap_or_default()),
         "{what}: {first:?}"
     );
+}
+
+/// The bus was lost for its parts, and works again.
+fn works_again(station: &Station, what: &str) {
+    let since = (AT * SECOND as f64) as u64;
+    for said in [
+        "barometer: BusFault",
+        "compass: BusFault",
+        "barometer: works",
+        "compass: works",
+    ] {
+        let mut lines = station.said().iter().filter(|line| line.time > since);
+        assert!(lines.any(|line| line.message == said), "{what}: {said}");
+    }
+}
+
+/// It hovers, parts fail, and it does what the row promises.
+fn fails_in_flight(failing: &Failing, rate: u32) {
+    let what = format!("{} at {rate} Hz", failing.names.join(", "));
+    let mut plan = on_sensors(rate, 1);
+    plan.rig.remote = failing.remote.then_some(Protocol::Crsf);
+    plan.rig.faults = faults(failing.names, &format!("{AT}+{}", failing.lasts));
+    let mut station = station(&plan, rate);
+    hover(&mut station, &what);
+    let begun = figures(&mut station, &what);
+    match failing.end {
+        End::Stays(seconds, drift) => stays(&mut station, seconds, drift, &what),
+        End::Returns => returns(&mut station, &what),
+    }
+    is_told(&station.texts, failing, &what);
     if failing.lasts < FOR_GOOD {
-        let since = (AT * SECOND as f64) as u64;
-        for said in [
-            "barometer: BusFault",
-            "compass: BusFault",
-            "barometer: works",
-            "compass: works",
-        ] {
-            let mut lines = station.said().iter().filter(|line| line.time > since);
-            assert!(lines.any(|line| line.message == said), "{what}: {said}");
-        }
+        works_again(&station, &what);
     }
     let now = figures(&mut station, &what);
     keeps_deadlines(&begun, &now, &what);
