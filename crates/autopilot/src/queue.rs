@@ -179,7 +179,7 @@ pub enum Command {
     SetSpeed(Option<f32>),
     /// Home is there; `None` is where the vehicle is.
     SetHome(Option<Place>),
-    /// The nose points at a place; `None` ahead again.
+    /// On hold and in the mission there is, the nose points at a place; `None` ahead again.
     LookAt(Option<Place>),
     /// Take a photo now.
     TakePhoto,

@@ -16,7 +16,7 @@ use super::route::{Cursor, Stored};
 use super::{MissionParameters, MissionSource};
 use crate::mode::Mode;
 use crate::trajectory::path::{SHORTEST_PASS, direction_and_length};
-use crate::trajectory::{HeadingSlew, Path, path::Joint};
+use crate::trajectory::{HeadingSlew, Path, path::Joint, towards};
 
 /// What happened in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -524,15 +524,7 @@ impl MissionExecutor {
         seconds: f32,
     ) {
         let target = match self.look_at {
-            Some(place) => {
-                let way = place - setpoint.position;
-                let near = way.x.abs() + way.y.abs() < 0.5;
-                if near {
-                    self.heading.heading
-                } else {
-                    atan2(way.y, way.x)
-                }
-            }
+            Some(place) => towards(place, setpoint.position).unwrap_or(self.heading.heading),
             None => self.heading_target,
         };
         let p = around.parameters;

@@ -48,6 +48,11 @@ impl Course {
         self
     }
 
+    /// Turns to this heading, rad.
+    pub fn face(&mut self, heading: f32) {
+        self.heading_target = heading;
+    }
+
     /// Whether the last place is reached by the setpoint, or the stop.
     pub fn is_done(&self) -> bool {
         let arrived = match &self.path {

@@ -4,6 +4,7 @@ use windhover_math::Vector3;
 
 use super::course::Course;
 use super::{Around, Demand, Motion, Step, Target};
+use crate::trajectory::towards;
 
 /// The mode's memory.
 #[derive(Clone, Debug)]
@@ -31,11 +32,15 @@ impl Hold {
         }
     }
 
-    /// One step. On the ground there is nothing to hold.
-    pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
+    /// One step, with the front towards a place where there is one. On the ground there is nothing to
+    /// hold.
+    pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>, look_at: Option<Vector3>) -> Step {
         if around.landed {
             self.course = Course::new(&around.at_rest(), &[]);
             return Step::of(Demand::Rest);
+        }
+        if let Some(heading) = look_at.and_then(|place| towards(place, self.course.position())) {
+            self.course.face(heading);
         }
         Step::of(Demand::Follow(self.course.step(around)))
     }

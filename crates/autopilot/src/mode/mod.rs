@@ -317,6 +317,8 @@ pub struct Modes {
     pub target: Option<Target>,
     /// Ground speed to where hold is sent, m/s, until the flight is over; `None` leaves it to a parameter.
     pub speed: Option<f32>,
+    /// What hold looks at, NED, m, until the flight is over; a mission looks for itself.
+    pub look_at: Option<Vector3>,
     /// Where takeoff leads; `None` leaves it to a parameter.
     pub takeoff: (Option<Altitude>, Option<f32>),
     /// The item that a mission starts with.
@@ -380,7 +382,7 @@ impl Modes {
             Active::Altitude(mode) => *step = mode.step(around),
             Active::Position(mode) => *step = mode.step(around),
             Active::Takeoff(mode) => *step = mode.step(around),
-            Active::Hold(mode) => *step = mode.step(around),
+            Active::Hold(mode) => *step = mode.step(around, self.look_at),
             Active::Mission(mode) => mode.step(around, mission, self.first_item, events, step),
             Active::Return(mode) => *step = mode.step(around),
             Active::Land(mode) => *step = mode.step(around),

@@ -190,6 +190,9 @@ impl Outer {
         }
         self.check_target(target)?;
         self.order(Order::Fly(Mode::Hold), facts)?;
+        if heading.is_some() {
+            self.modes.look_at = None;
+        }
         // Entered anew, wherever hold was going.
         self.modes.reenter();
         self.modes.target = Some(Target {
@@ -339,6 +342,7 @@ impl Outer {
             return Err(Why::NotANumber);
         };
         let place = place.map(|place| local(place, frame, self.home)).transpose()?;
+        self.modes.look_at = place;
         if let Some(mission) = self.modes.mission_mut() {
             mission.look_at(place);
         }

@@ -1,9 +1,18 @@
 //! The heading setpoint: turns towards its target with limited rate and acceleration.
 
-use windhover_math::{saturate, wrap_pi};
+use windhover_math::{Vector3, atan2, saturate, wrap_pi};
 
 /// How fast the rate follows the remaining error, 1/s.
 const APPROACH: f32 = 2.0;
+
+/// Nearer to a place, m, there is no direction to it.
+const NEAREST: f32 = 0.5;
+
+/// The heading from one place to another, rad; `None` above or below it.
+pub fn towards(place: Vector3, from: Vector3) -> Option<f32> {
+    let way = place - from;
+    (way.x.abs() + way.y.abs() >= NEAREST).then(|| atan2(way.y, way.x))
+}
 
 /// A heading on its way to its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

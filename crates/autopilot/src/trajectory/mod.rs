@@ -6,6 +6,6 @@ pub mod path;
 pub mod profile;
 
 pub use glide::{Glide, GlideLimits};
-pub use heading::HeadingSlew;
+pub use heading::{HeadingSlew, towards};
 pub use path::{Limits, Path};
 pub use profile::Profile;

@@ -1,10 +1,12 @@
 //! The modes that bring a vehicle up and home, flown through the outer step.
 
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use windhover_autopilot::mission::MissionEvent;
-use windhover_autopilot::mission::action::{Altitude, command};
+use windhover_autopilot::mission::action::{Altitude, Place, command};
 use windhover_autopilot::mode::Target;
 use windhover_autopilot::{Command, Mode, MotorState, Parameters, Phase, Why};
-use windhover_math::{Vector3, scalar};
+use windhover_math::{Vector3, scalar, wrap_pi};
 
 use super::flight::{DT, Flight};
 use super::{HOME, item, waypoint};
@@ -221,6 +223,51 @@ fn a_target_is_flown_to_by_what_it_names() {
         assert!((flight.attitude.heading() + 1.0).abs() < 0.02);
         assert_eq!(flight.report().mode, Mode::Hold);
     }
+}
+
+/// If this failed, a station that points the camera while the vehicle holds would be told that it was
+/// done, and nothing would turn: also on the way somewhere, until it looks ahead or is told a heading.
+#[test]
+fn hold_looks_at_a_place() {
+    let look = |north, east| {
+        let there = waypoint(north, east, 0.0);
+        Command::LookAt(Some(Place {
+            latitude: there.x,
+            longitude: there.y,
+            altitude: Altitude::Home(0.0),
+        }))
+    };
+    let heads = |flight: &mut Flight, wanted: f32| {
+        flight.run(15.0);
+        let off = wrap_pi(flight.attitude.heading() - wanted);
+        assert!(off.abs() < 0.02, "{off} rad off {wanted}");
+    };
+    let go = |north, heading| {
+        let there = waypoint(north, 0.0, 0.0);
+        Command::GoTo(Target {
+            ground: Some((there.x, there.y)),
+            heading,
+            ..Target::default()
+        })
+    };
+    let mut flight = Flight::new().hovering(10.0);
+    flight.obey(look(0.0, -20.0));
+    heads(&mut flight, -FRAC_PI_2);
+    assert!(
+        (flight.position + Vector3::new(0.0, 0.0, 10.0)).amax() < 0.1,
+        "{}",
+        flight.position
+    );
+    flight.obey(go(20.0, None));
+    heads(&mut flight, -3.0 * FRAC_PI_4);
+    flight.obey(Command::LookAt(None));
+    flight.obey(go(0.0, None));
+    heads(&mut flight, -3.0 * FRAC_PI_4);
+    // Right above it there is no direction to it.
+    flight.obey(look(0.0, 0.0));
+    heads(&mut flight, -3.0 * FRAC_PI_4);
+    flight.obey(go(20.0, Some(1.0)));
+    heads(&mut flight, 1.0);
 }
 
 /// On the ground the time to stand idle counts from when it idles: a takeoff at its end is flown.
