@@ -25,7 +25,7 @@ pub struct Shared {
     /// The log, from the start of the core on.
     pub log: &'static mut FlightLog,
     /// What the steps have told ground stations.
-    pub told: Told,
+    pub told: &'static mut Told,
 }
 
 static SHARED: CriticalSectionMutex<RefCell<Option<Shared>>> = CriticalSectionMutex::new(RefCell::new(None));
@@ -38,13 +38,13 @@ pub static DATA_READY: Signal<CriticalSectionRawMutex, u64> = Signal::new();
 
 static URGENT: AtomicU8 = AtomicU8::new(0);
 
-/// The core starts with this log.
-pub fn begin(log: &'static mut FlightLog) {
+/// The core starts with this log, and tells ground stations by this.
+pub fn begin(log: &'static mut FlightLog, told: &'static mut Told) {
     SHARED.lock(|shared| {
         *shared.borrow_mut() = Some(Shared {
             mailboxes: Mailboxes::default(),
             log,
-            told: Told::default(),
+            told,
         });
     });
 }

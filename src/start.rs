@@ -7,7 +7,7 @@ use windhover_autopilot::mission::PlanKind;
 use windhover_autopilot::{Command, Inner, InnerConfig, MissionCommit, Outer, OuterConfig, Parameters};
 use windhover_flight_log::{Logger, LoggerConfig};
 use windhover_storage::{Journal, Keeper};
-use windhover_vehicle_link::Fitting;
+use windhover_vehicle_link::{Fitting, Told};
 
 use crate::board::{self, STORED, Storage};
 use crate::fault::LastRun;
@@ -63,6 +63,7 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
     static LOG_STORAGE: ConstStaticCell<[u8; shared::LOG_BYTES]> = ConstStaticCell::new([0; _]);
     static START: StaticCell<task::Start> = StaticCell::new();
     static GROUND: StaticCell<task::Ground> = StaticCell::new();
+    static TOLD: [StaticCell<Told>; 2] = [const { StaticCell::new() }; 2];
 
     let outer_config = OuterConfig::default();
     let outer = OUTER.init_with(|| outer(&stored.parameters, stored.damaged, &outer_config));
@@ -73,7 +74,9 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
     };
     let logging = LoggerConfig::new(config, &parameters);
     let inner = Inner::new(config, outer.inner_parameters());
-    shared::begin(LOG.init_with(|| Logger::in_storage(logging, LOG_STORAGE.take())));
+    let log = LOG.init_with(|| Logger::in_storage(logging, LOG_STORAGE.take()));
+    let [telling, told] = TOLD.each_ref().map(|place| place.init_with(Told::default));
+    shared::begin(log, telling);
     let start = START.init_with(|| task::Start {
         time: Instant::now().as_micros(),
         inner: config,
@@ -87,7 +90,7 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
         rotation: board::ROTATION,
         compass: outer_config.compass,
     };
-    let ground = GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans));
+    let ground = GROUND.init_with(|| task::Ground::new(&parameters, fitting, stored.plans, told));
     if last.is_trouble {
         ground.set_trouble(last.cause);
     }

@@ -24,7 +24,8 @@ const PERIOD: Duration = Duration::from_millis(5);
 /// Bytes that are looked at each time: four times what can come, where others left no time for long.
 const LOOKED_AT: usize = 256;
 
-/// Looks from one comparison of what is stored with what the core has to the next: 50 ms.
+/// Looks from one comparison of what is stored with what the core has to the next, where they were
+/// equal: 50 ms.
 const STORE_EVERY: u32 = 10;
 
 /// A restart that was asked for waits for so long at most for what is still to be stored, µs.
@@ -46,14 +47,20 @@ static OUTGOING: Pipe<ThreadModeRawMutex, OUT> = Pipe::new();
 pub struct Ground {
     links: [Link; 1],
     vehicle: VehicleLink,
-    told: Told,
+    told: &'static mut Told,
     /// When a restart was asked for, µs.
     restart_asked: Option<u64>,
 }
 
 impl Ground {
-    /// Of a vehicle with these parameters, whose sensors sit like this.
-    pub fn new(parameters: &Parameters, fitting: Fitting, plans: [MissionCommit; 3]) -> Self {
+    /// Of a vehicle with these parameters, whose sensors sit like this. `told` changes places with what
+    /// the steps tell.
+    pub fn new(
+        parameters: &Parameters,
+        fitting: Fitting,
+        plans: [MissionCommit; 3],
+        told: &'static mut Told,
+    ) -> Self {
         let mut commit = [0; 8];
         for (to, from) in commit.iter_mut().zip(version::COMMIT.bytes()) {
             *to = from;
@@ -71,7 +78,7 @@ impl Ground {
         Self {
             links: [link],
             vehicle: VehicleLink::new(parameters, fitting, plans),
-            told: Told::default(),
+            told,
             restart_asked: None,
         }
     }
@@ -89,10 +96,9 @@ impl Ground {
     /// Passes on between core and link.
     fn step(&mut self, stored: &mut Stored, now: u64) {
         let told = &mut self.told;
-        shared::with(|shared| shared.told.take_into(told));
+        shared::with(|shared| Told::take(&mut shared.told, told));
         self.vehicle.set_load(shared::value(&COUNTERS.load) as f32 * 1e-3);
-        self.vehicle
-            .step(&mut self.links, &self.told, now, &mut |_, _| {});
+        self.vehicle.step(&mut self.links, self.told, now, &mut |_, _| {});
         let inputs = self.vehicle.take_inputs();
         shared::with(|shared| shared.mailboxes.queues.refill(&inputs));
         if let Some(urgent) = self.vehicle.take_urgent() {
@@ -108,8 +114,9 @@ impl Ground {
         }
     }
 
-    /// Stores one thing that is not stored yet, if there is one and the vehicle is disarmed.
-    async fn store(&self, stored: &mut Stored, now: u64) {
+    /// Stores one thing that is not stored yet, if there is one and the vehicle is disarmed; whether
+    /// there was one.
+    async fn store(&self, stored: &mut Stored, now: u64) -> bool {
         let view = View {
             time: now,
             armed: shared::value(&COUNTERS.armed) != 0 || self.vehicle.telemetry().armed,
@@ -122,10 +129,10 @@ impl Ground {
         if restarts && !view.armed {
             fault::restart();
         }
-        if let Some(task) = task {
-            let outcome = stored.journal.perform(&task).await;
-            stored.keeper.done(outcome);
-        }
+        let Some(task) = task else { return false };
+        let outcome = stored.journal.perform(&task).await;
+        stored.keeper.done(outcome);
+        true
     }
 
     /// What is to be sent; a frame that does not fit is lost, as on any radio.
@@ -147,6 +154,7 @@ impl Ground {
 #[embassy_executor::task]
 pub async fn ground_link(mut port: SerialReceiver, ground: &'static mut Ground, stored: &'static mut Stored) {
     let mut bytes = [0; LOOKED_AT];
+    let mut stores = false;
     for look in (0..STORE_EVERY).cycle() {
         // Looks that were missed are not made up for: they would take the time that is missing.
         Timer::after(PERIOD).await;
@@ -156,8 +164,8 @@ pub async fn ground_link(mut port: SerialReceiver, ground: &'static mut Ground, 
         ground.receive(received, now);
         ground.step(stored, now);
         ground.poll(now);
-        if look == 0 {
-            ground.store(stored, now).await;
+        if stores || look == 0 {
+            stores = ground.store(stored, now).await;
         }
     }
 }

@@ -45,9 +45,10 @@ pub async fn outer_loop(
                 shared::with(|shared| shared.log.message(message));
             },
         );
+        // One after the other: interrupts are off in each.
+        shared::with(|shared| shared.told.outer(&snapshot, &result));
         shared::with(|shared| {
             shared.log.announce(hash);
-            shared.told.outer(&snapshot, &result);
             shared.mailboxes.result = Some(result);
         });
         let tick = shared::value(&PROGRESS.tick);

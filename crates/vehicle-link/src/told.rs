@@ -1,5 +1,7 @@
 //! What the core has told since it was last asked.
 
+use core::ops::DerefMut;
+
 use heapless::Deque;
 use windhover_autopilot::mission::MissionEvent;
 use windhover_autopilot::schedule::OUTER_RATE;
@@ -119,14 +121,14 @@ impl Told {
         let inputs = &snapshot.inputs;
         let mut refusals: [_; 10] = core::array::from_fn(|index| report.refusals.get(index));
         for write in &inputs.parameter {
-            let refused = take(&mut refusals, |refused| match refused {
+            let refused = take_out(&mut refusals, |refused| match refused {
                 Refused::Parameter(of, refusal) if of == write => Some(*refusal),
                 _ => None,
             });
             self.outcome(Outcome::Parameter(*write, refused));
         }
         for command in &inputs.command {
-            let refused = take(&mut refusals, |refused| match refused {
+            let refused = take_out(&mut refusals, |refused| match refused {
                 Refused::Command(of, why) if of == command => Some(*why),
                 _ => None,
             });
@@ -145,9 +147,13 @@ impl Told {
     }
 
     /// Hands over all since the last time, in exchange for what was handed over then; the state stays as
-    /// it is. Nothing large goes over the stack.
-    pub fn take_into(&mut self, taken: &mut Self) {
-        core::mem::swap(self, taken);
+    /// it is. The two change places: nothing large is moved, so that interrupts may be off meanwhile.
+    pub fn take<P: DerefMut<Target = Self>>(telling: &mut P, taken: &mut P) {
+        core::mem::swap(telling, taken);
+        telling.begin_after(taken);
+    }
+
+    fn begin_after(&mut self, taken: &Self) {
         self.report = None;
         self.samples.clear();
         self.compass.clear();
@@ -203,7 +209,7 @@ fn keep_newest<T, const CAPACITY: usize>(queue: &mut Deque<T, CAPACITY>, item: T
 }
 
 /// Takes out the first one that fits.
-fn take<T>(refusals: &mut [Option<&Refused>], fits: impl Fn(&Refused) -> Option<T>) -> Option<T> {
+fn take_out<T>(refusals: &mut [Option<&Refused>], fits: impl Fn(&Refused) -> Option<T>) -> Option<T> {
     refusals.iter_mut().find_map(|place| {
         let found = fits((*place)?)?;
         *place = None;

@@ -31,8 +31,8 @@ pub struct Served {
     flown: ClosedLoop,
     vehicle: VehicleLink,
     links: Vec<Link>,
-    told: Told,
-    taken: Told,
+    told: Box<Told>,
+    taken: Box<Told>,
     log: FlightLog,
     /// In a simulation that runs faster than the clock.
     echo: Option<Echo>,
@@ -56,8 +56,8 @@ impl Served {
         let mut served = Self {
             vehicle,
             links: Vec::new(),
-            told: Told::default(),
-            taken: Told::default(),
+            told: Box::default(),
+            taken: Box::default(),
             log,
             echo: None,
             lines: Vec::new(),
@@ -177,7 +177,7 @@ impl Served {
 
     /// Passes on between core and links, without time going on.
     fn answer(&mut self, now: u64) -> Effects {
-        self.told.take_into(&mut self.taken);
+        Told::take(&mut self.told, &mut self.taken);
         let (time, lines) = (self.time, &mut self.lines);
         let mut say = |severity, text: core::fmt::Arguments<'_>| {
             lines.push(Line {
