@@ -60,6 +60,71 @@ fn errors(station: &Station) -> Vec<String> {
     errors.map(|line| line.message.clone()).collect()
 }
 
+/// What a round stores.
+struct Store {
+    number: u64,
+    value: Option<f32>,
+    mission: Option<Vec<MissionItem>>,
+}
+
+impl Store {
+    /// A parameter, a mission, or both.
+    fn new(number: u64) -> Self {
+        Self {
+            number,
+            value: (number % 3 != 1).then_some(20.0 + (number % 50) as f32),
+            mission: (number % 3 != 0).then(|| mission(number)),
+        }
+    }
+
+    /// The flash's operations within which power is to fail: as many as a mission of this length takes,
+    /// or a parameter.
+    fn operations(&self) -> u64 {
+        if self.mission.is_some() { 250 } else { 30 }
+    }
+
+    /// What is found once all is stored.
+    fn over(&self, old: &Found) -> Found {
+        let mission = self.mission.as_deref().map(downloaded);
+        Found {
+            value: self.value.unwrap_or(old.value),
+            mission: mission.unwrap_or_else(|| old.mission.clone()),
+        }
+    }
+
+    /// Has it stored; whether power failed meanwhile. It is back then, and does not fail again.
+    fn perform(&self, station: &mut Station) -> bool {
+        let failures = station.power_failures;
+        if let Some(value) = self.value {
+            station.ask_for_value(NAME, value);
+        }
+        if let Some(items) = &self.mission {
+            let outcome = station.upload(items);
+            assert!(
+                outcome == MavMissionResult::MAV_MISSION_ACCEPTED || station.power_failures > failures,
+                "{}: {outcome:?}",
+                self.number
+            );
+        }
+        // Parameters rest for half a second before they are stored.
+        let (mut before, mut quiet) = (0, 0);
+        while station.power_failures == failures && quiet < 14 {
+            station.run(0.05);
+            let operations = station.flight.machine.bus().flash_operations();
+            quiet = if operations == before { quiet + 1 } else { 0 };
+            before = operations;
+        }
+        let failed = station.power_failures > failures;
+        if failed {
+            station.wait::<HEARTBEAT_DATA>(5.0, |_| true);
+        } else {
+            // All was stored with fewer operations.
+            station.flight.machine.bus().cut_power_at(u64::MAX);
+        }
+        failed
+    }
+}
+
 /// At random operations of the flash while a mission, a parameter, or both are stored: the next
 /// start finds the old or the new one of each, whole, and nothing that is damaged. The journal is
 /// never made anew, so that its pages turn in between.
@@ -73,61 +138,35 @@ fn power_that_fails_while_a_station_stores_leaves_old_or_new() {
     let (mut renewed, mut number) = ([0; 2], 0);
     while station.power_failures < moments {
         number += 1;
-        let failures = station.power_failures;
-        let has = [number % 3 != 1, number % 3 != 0];
-        // As many as a mission of this length takes, or a parameter.
-        let most = if has[1] { 250 } else { 30 };
-        let mut new = old.clone();
-        let first = station.flight.machine.bus().flash_operations();
-        station
-            .flight
-            .machine
-            .bus()
-            .cut_power_at(first + random.bits() % most);
-        if has[0] {
-            new.value = 20.0 + (number % 50) as f32;
-            station.ask_for_value(NAME, new.value);
-        }
-        if has[1] {
-            let items = mission(number);
-            new.mission = downloaded(&items);
-            let outcome = station.upload(&items);
-            assert!(
-                outcome == MavMissionResult::MAV_MISSION_ACCEPTED || station.power_failures > failures,
-                "{number}: {outcome:?}"
-            );
-        }
-        // Parameters rest for half a second before they are stored.
-        for _ in 0..30 {
-            if station.power_failures == failures {
-                station.run(0.05);
-            }
-        }
-        if station.power_failures == failures {
-            // All was stored with fewer operations.
-            station.flight.machine.bus().cut_power_at(u64::MAX);
-        } else {
-            station.wait::<HEARTBEAT_DATA>(5.0, |_| true);
-        }
+        let store = Store::new(number);
+        let moment = {
+            let bus = &mut station.flight.machine.bus();
+            let moment = bus.flash_operations() + random.bits() % store.operations();
+            bus.cut_power_at(moment);
+            moment
+        };
+        let new = store.over(&old);
+        let failed = store.perform(&mut station);
         let found = Found::on(&mut station);
+        let what = format!("{number}, at operation {moment}");
         assert!(
-            found.value == old.value || found.value == new.value,
-            "{number}: {} was {} or {}",
+            [old.value, new.value].contains(&found.value),
+            "{what}: {} was {} or {}",
             found.value,
             old.value,
             new.value
         );
         assert!(
-            found.mission == old.mission || found.mission == new.mission,
-            "{number}: neither mission: {:?}",
+            [&old.mission, &new.mission].contains(&&found.mission),
+            "{what}: neither mission: {:?}",
             found.mission
         );
-        assert_eq!(errors(&station), [""; 0], "{number}");
-        if station.power_failures > failures {
+        assert_eq!(errors(&station), [""; 0], "{what}");
+        if failed {
             renewed[0] += usize::from(found.value != old.value);
             renewed[1] += usize::from(found.mission != old.mission);
         } else {
-            assert_eq!(found, new, "{number}: power did not fail");
+            assert_eq!(found, new, "{what}: power did not fail");
         }
         old = found;
     }
