@@ -34,8 +34,9 @@ const PATIENCE: u64 = 3_000_000;
 /// And for so long at least, µs, so that its answer goes out: twice what a full [`OUTGOING`] takes.
 const FAREWELL: u64 = 200_000;
 
-/// Bytes on their way out: an answer to each of a few questions, and telemetry.
-const OUT: usize = 1024;
+/// Bytes on their way out: what the link's budget has in reserve for telemetry, 50 ms, as much for
+/// answers, and two frames.
+const OUT: usize = 1536;
 
 /// Bytes of one transfer, 11 ms of the port's time.
 const CHUNK: usize = 128;
@@ -70,7 +71,8 @@ impl Ground {
                 system: parameters.link.system as u8,
                 component: 1,
             },
-            bandwidth: board::GROUND_LINK_BAUD / 10,
+            // A little less than the port carries, so that what waits for it becomes less.
+            bandwidth: board::GROUND_LINK_BAUD * 95 / 1000,
             uid: board::uid(),
             version: commit,
             ..Config::default()

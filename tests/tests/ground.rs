@@ -7,7 +7,7 @@ use windhover_flight_log::reader::Log;
 use windhover_sim::flight::Setup;
 use windhover_sim::replay;
 use windhover_sim::sensors::Receiver;
-use windhover_tests::station::Station;
+use windhover_tests::station::{Seen, Station};
 use windhover_tests::{calm, monitoring, on_sensors};
 
 const NONE: [f32; 7] = [0.0; 7];
@@ -120,6 +120,50 @@ fn a_plan_comes_through_a_network_that_loses() {
         let kind = windhover_ground_link::PlanKind::Mission;
         let stored = station.served.flown().plans.items(kind, commit.slot);
         assert_eq!(format!("{stored:?}"), format!("{items:?}"), "NaN and all");
+    }
+}
+
+/// Right after one another: a plan needs some time from the link to the core, of which clients know
+/// nothing. And a station that is gone in the middle of an upload leaves nothing behind that refuses
+/// the others.
+#[test]
+fn plans_follow_closely() {
+    let mut station = ready();
+    let items = monitoring().items;
+    for _ in 0..3 {
+        assert_eq!(station.upload(MISSION, &items), ACCEPTED, "{:#?}", station.texts);
+        assert_eq!(station.upload(MISSION, &[]), ACCEPTED, "{:#?}", station.texts);
+    }
+    station.send(&MISSION_COUNT_DATA {
+        count: 3,
+        target_system: 1,
+        target_component: 1,
+        ..MISSION_COUNT_DATA::default()
+    });
+    station.wait::<MISSION_REQUEST_INT_DATA>(1.0, |_| true);
+    station.served.close(0);
+    assert_eq!(station.upload(MISSION, &items), ACCEPTED, "{:#?}", station.texts);
+    station.run(1.0);
+    let [mission, ..] = station.served.vehicle().committed();
+    assert_eq!(usize::from(mission.count), items.len());
+}
+
+/// A client that has lost the answer asks again: nothing is done twice, and it is told that it is done.
+#[test]
+fn what_is_asked_for_again_is_done_once() {
+    let mut station = ready();
+    station.order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, arm());
+    let takeoff = with(&[(5, f32::NAN), (6, f32::NAN), (7, 498.0)]);
+    station.order(MavCmd::MAV_CMD_NAV_TAKEOFF, takeoff);
+    station.until(10.0, "it is off the ground", |station| height(station) > 2.0);
+    station.order(MavCmd::MAV_CMD_NAV_TAKEOFF, takeoff);
+    for (number, photos) in [(7.0, 1), (7.0, 0), (8.0, 1)] {
+        let capture = with(&[(3, 1.0), (4, number)]);
+        station.order(MavCmd::MAV_CMD_IMAGE_START_CAPTURE, capture);
+        station.run(0.5);
+        let taken = |seen: &Seen| seen.read::<CAMERA_IMAGE_CAPTURED_DATA>().is_some();
+        assert_eq!(station.seen.iter().filter(|seen| taken(seen)).count(), photos);
+        station.seen.clear();
     }
 }
 

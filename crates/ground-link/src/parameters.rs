@@ -27,8 +27,8 @@ const HASH: &str = "_HASH_CHECK";
 /// The longest name.
 const NAME: usize = 16;
 
-/// Writes that wait for the table to show them.
-const WRITES: usize = 4;
+/// Writes that wait for the table to show them: clients send several at once.
+const WRITES: usize = 16;
 
 /// A write that the table does not show after this time is answered with what it holds, µs.
 const WRITE_TIMEOUT: u64 = 400_000;
@@ -189,13 +189,11 @@ impl ParameterService {
         };
         let free = known.or_else(|| self.writes.iter().position(Option::is_none));
         let place = free.and_then(|free| self.writes.get_mut(free));
-        let Some(place) = place.filter(|_| around.outbox.request(order)) else {
-            around.outbox.reply(Reply::Parameter(write.index));
-            return around
-                .outbox
-                .say(Severity::Warning, format_args!("parameter not set: busy"));
-        };
-        *place = Some(write);
+        // Without room there is no answer either: the old value would look like a refusal, and who hears
+        // none sends it again.
+        if let Some(place) = place.filter(|_| around.outbox.request(order)) {
+            *place = Some(write);
+        }
     }
 
     /// A write was refused by the vehicle.

@@ -95,6 +95,8 @@ pub enum Request {
     PhotosByDistance {
         /// Metres between two.
         distance: f32,
+        /// The first one now, and not after that distance.
+        at_once: bool,
     },
     /// Take no more photos.
     StopPhotos,

@@ -208,13 +208,19 @@ fn every_command_becomes_its_request() {
         (
             Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
             [12.5, 0.0, 0.0, N, N, N, N],
-            Request::PhotosByDistance { distance: 12.5 },
+            Request::PhotosByDistance {
+                distance: 12.5,
+                at_once: false,
+            },
         ),
         // With a distance it is more than one photo.
         (
             Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
             [12.5, 0.0, 1.0, N, N, N, N],
-            Request::PhotosByDistance { distance: 12.5 },
+            Request::PhotosByDistance {
+                distance: 12.5,
+                at_once: true,
+            },
         ),
         (
             Cmd::MAV_CMD_DO_SET_CAM_TRIGG_DIST,
@@ -521,22 +527,21 @@ fn when_the_queue_is_full_a_command_is_rejected_for_now() {
     let mut bench = Bench::new();
     bench.vehicle.takes = false;
     let mut results = Vec::new();
-    for first in 0..12 {
+    for first in 0..20 {
         let acks = bench.command(Cmd::MAV_CMD_MISSION_START, [first as f32, 0.0, N, N, N, N, N]);
         results.extend(acks.iter().map(|ack| ack.result));
     }
     let rejected = results
         .iter()
         .filter(|result| **result == R::MAV_RESULT_TEMPORARILY_REJECTED);
-    assert_eq!(rejected.count(), 4);
-    assert_eq!(bench.vehicle.link.counters().dropped.requests, 4);
+    assert_eq!(rejected.count(), 8);
     // A vehicle that answers nothing: in the end every command is told so.
     bench.vehicle.answer = |_| None;
     bench.vehicle.takes = true;
     bench.vehicle.receive(&[], bench.now);
     let acks: Vec<COMMAND_ACK_DATA> = all(&bench.run(130_000_000));
     let failed = acks.iter().filter(|ack| ack.result == R::MAV_RESULT_FAILED);
-    assert_eq!(failed.count(), 8);
+    assert_eq!(failed.count(), 12);
     assert_eq!(
         bench.result(Cmd::MAV_CMD_DO_WINCH, [N; 7]),
         R::MAV_RESULT_UNSUPPORTED

@@ -163,6 +163,37 @@ fn a_write_that_the_vehicle_does_not_take_is_answered_with_what_it_holds() {
     );
 }
 
+/// Clients write many at once. If a write that finds no room were answered with the old value, that
+/// would look like a refusal, and nobody would send it again.
+#[test]
+fn a_write_without_room_is_not_answered_and_works_when_it_is_repeated() {
+    let mut bench = Bench::new();
+    bench.vehicle.takes = false;
+    let writes: Vec<PARAM_SET_DATA> = (0..20)
+        .map(|index| Parameters::declaration(index).unwrap())
+        .map(|of| {
+            set(
+                of.name,
+                of.min + 0.5 * (of.default - of.min) + 0.1 * (of.max - of.min),
+            )
+        })
+        .collect();
+    let frames: Vec<u8> = writes
+        .iter()
+        .flat_map(|write| bench.station.frame(write))
+        .collect();
+    let early = bench.bytes(&frames);
+    let late = bench.run(500_000);
+    let answers = [early, late].map(|seen| all::<PARAM_VALUE_DATA>(&seen).len());
+    assert_eq!(answers, [0, 16], "what they are after a time");
+    bench.vehicle.takes = true;
+    bench.vehicle.receive(&[], bench.now);
+    for write in &writes[16..] {
+        let values: Vec<PARAM_VALUE_DATA> = all(&bench.ask(write));
+        assert_eq!((values.len(), values[0].param_value), (1, write.param_value));
+    }
+}
+
 /// CRC-32 as QGroundControl computes it, bit by bit, over names in order.
 #[test]
 fn the_hash_is_the_one_that_clients_compute_over_what_they_know() {

@@ -410,10 +410,46 @@ fn the_current_item_is_set_if_there_is_one() {
             target_system: 1,
             target_component: 1,
         };
+        // A number that is not the one asked for would be taken for a refusal, or asked for again.
         let seen = bench.ask(&asked);
-        assert_eq!(all::<MISSION_CURRENT_DATA>(&seen).len(), 1);
+        assert_eq!(all::<MISSION_CURRENT_DATA>(&seen), []);
     }
     assert_eq!(bench.vehicle.requests(), [Request::SetCurrentItem { index: 4 }]);
+    bench.vehicle.telemetry.mission.current = 4;
+    let told: Vec<u16> = all(&bench.run(STEP))
+        .iter()
+        .map(|current: &MISSION_CURRENT_DATA| current.seq)
+        .collect();
+    assert_eq!(told, [4]);
+}
+
+/// If this failed, a client that clears and uploads in one go would be refused, for the short time
+/// that a plan takes from the link to the core.
+#[test]
+fn a_plan_that_follows_another_one_closely_waits_for_its_turn() {
+    let mut bench = Bench::new();
+    let clear = MISSION_CLEAR_ALL_DATA {
+        target_system: 1,
+        target_component: 1,
+        mission_type: MISSION,
+    };
+    bench.vehicle.store.is_settling = true;
+    let mut seen = bench.ask(&clear);
+    seen.extend(bench.ask(&count(2, MISSION)));
+    // Repeated by the network.
+    seen.extend(bench.ask(&count(2, MISSION)));
+    seen.extend(bench.run(100_000));
+    assert_eq!((results(&seen), requested(&seen)), (vec![], vec![]));
+    bench.vehicle.store.is_settling = false;
+    let seen = bench.run(STEP);
+    assert_eq!(
+        (results(&seen), requested(&seen)),
+        (vec![R::MAV_MISSION_ACCEPTED], vec![0])
+    );
+    // Whoever never settles does not keep a client waiting.
+    bench.vehicle.store.is_settling = true;
+    bench.ask(&clear);
+    assert_eq!(results(&bench.run(600_000)), [R::MAV_MISSION_ACCEPTED]);
 }
 
 /// Found by a million frames: after an upload that failed, the item before item 0 of none was taken

@@ -226,7 +226,11 @@ fn the_version_has_the_capabilities_that_clients_look_for() {
         | Bit::MAV_PROTOCOL_CAPABILITY_COMMAND_INT
         | Bit::MAV_PROTOCOL_CAPABILITY_MAVLINK2
         | Bit::MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
-        | Bit::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY;
+        | Bit::MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
+        | Bit::MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
+        | Bit::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+        | Bit::MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+        | Bit::MAV_PROTOCOL_CAPABILITY_FLIGHT_TERMINATION;
     let encoding = Bit::MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE;
     assert_eq!(
         version.capabilities,
@@ -456,7 +460,8 @@ fn a_signed_command_acts_once_on_all_channels_together() {
 #[test]
 fn the_memory_of_a_link_is_bounded() {
     println!("a link takes {} bytes", size_of::<Link>());
-    assert!(size_of::<Link>() < 6_000);
+    // Of 12,000 that the target may spend (`cargo xtask link-size`).
+    assert!(size_of::<Link>() < 7_000);
 }
 
 /// A simulation that runs ten times as fast tells ten times as often, and in its own time.

@@ -140,8 +140,9 @@ impl VehicleLink {
                 tell(links, say, Severity::Critical, format_args!("Motors killed"));
             }
             Request::TakePhotos { interval, count } => self.shutter.start(interval, count, self.clock(now)),
-            Request::PhotosByDistance { distance } => {
-                self.shutter.by_distance(distance, self.report.estimate.position);
+            Request::PhotosByDistance { distance, at_once } => {
+                let here = self.report.estimate.position;
+                self.shutter.by_distance(distance, (!at_once).then_some(here));
             }
             Request::StopPhotos => self.shutter = Shutter::default(),
             Request::Reboot if disarmed => self.effects.reboot = true,

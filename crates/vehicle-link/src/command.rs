@@ -28,6 +28,10 @@ pub fn meaning(request: &Request, report: &OuterReport) -> Meaning {
         Request::Arm { force: false } => Command::Arm,
         Request::Arm { force: true } => Command::ForceArm,
         Request::Disarm => Command::Disarm,
+        // Asked for again, because the answer was lost.
+        Request::Takeoff { .. } if report.mode == CoreMode::Takeoff && report.phase == Phase::Flying => {
+            return Meaning::Answer(CommandResult::Accepted, None);
+        }
         Request::Takeoff { altitude, heading } => Command::Takeoff(altitude, heading),
         Request::Land { place } if place.is_none_or(|place| is_near(place, report)) => {
             Command::Fly(CoreMode::Land)

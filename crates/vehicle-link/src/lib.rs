@@ -243,8 +243,14 @@ impl VehicleLink {
         core::mem::take(&mut self.effects)
     }
 
-    /// A link is not there any more: nobody waits for its answers.
-    pub fn forget(&mut self, link: usize) {
+    /// Nobody is at the other end of a link any more, which is one of several: nobody waits for its
+    /// answers, and what it was uploading has come to nothing.
+    pub fn close(&mut self, link: &mut Link, index: usize, medium: &mut dyn PlanMedium) {
+        self.with_context(medium, |context| link.close(context));
+        self.forget(index);
+    }
+
+    fn forget(&mut self, link: usize) {
         for asked in &mut self.asked {
             asked.answer = asked.answer.filter(|(of, _)| *of != link);
         }

@@ -167,6 +167,10 @@ impl PlanStore for Plans<'_> {
         }
     }
 
+    fn is_settling(&self, kind: PlanKind) -> bool {
+        self.state.of(kind).handing != Handing::Done
+    }
+
     fn begin(&mut self, kind: PlanKind, _count: u16) -> Result<u8, PlanRefusal> {
         if self.is_flown(kind) {
             return Err(flown());

@@ -25,8 +25,8 @@ struct Series {
 struct Distance {
     /// m.
     between: f32,
-    /// Where the last one was taken, NED, m.
-    last: Vector3,
+    /// Where the last one was taken, NED, m; where none was, one is due.
+    last: Option<Vector3>,
 }
 
 impl Shutter {
@@ -39,24 +39,26 @@ impl Shutter {
         });
     }
 
-    /// One every so many metres from here on; 0 stops.
-    pub fn by_distance(&mut self, between: f32, here: Vector3) {
-        self.distance = (between > 0.0).then_some(Distance { between, last: here });
+    /// One every so many metres from `last` on, or the first one at once; 0 stops.
+    pub fn by_distance(&mut self, between: f32, last: Option<Vector3>) {
+        self.distance = (between > 0.0).then_some(Distance { between, last });
     }
 
     /// A photo was taken here, whoever asked for it.
     pub fn taken(&mut self, here: Vector3) {
         if let Some(distance) = &mut self.distance {
-            distance.last = here;
+            distance.last = Some(here);
         }
     }
 
     /// Whether a photo is to be taken at `now` µs.
     pub fn is_due(&mut self, now: u64, here: Vector3) -> bool {
         if let Some(distance) = &mut self.distance
-            && scalar::norm(here - distance.last) >= distance.between
+            && distance
+                .last
+                .is_none_or(|last| scalar::norm(here - last) >= distance.between)
         {
-            distance.last = here;
+            distance.last = Some(here);
             return true;
         }
         let Some(series) = self.series.as_mut().filter(|series| now >= series.due) else {
@@ -106,7 +108,7 @@ mod tests {
     fn by_distance_photos_count_from_the_last_one() {
         let mut shutter = Shutter::default();
         let at = |north: f32| Vector3::new(north, 0.0, -10.0);
-        shutter.by_distance(5.0, at(0.0));
+        shutter.by_distance(5.0, Some(at(0.0)));
         let taken: Vec<i32> = (0..=12)
             .filter(|north| shutter.is_due(0, at(*north as f32)))
             .collect();
@@ -114,7 +116,10 @@ mod tests {
         shutter.taken(at(12.0));
         assert!(!shutter.is_due(0, at(16.0)));
         assert!(shutter.is_due(0, at(17.0)));
-        shutter.by_distance(0.0, at(17.0));
+        shutter.by_distance(5.0, None);
+        assert!(shutter.is_due(0, at(17.0)), "at once");
+        assert!(!shutter.is_due(0, at(21.0)));
+        shutter.by_distance(0.0, None);
         assert!(!shutter.is_due(0, at(100.0)));
     }
 }

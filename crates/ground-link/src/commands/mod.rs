@@ -140,7 +140,7 @@ impl CommandService {
             command: payload.word(COMMAND),
             parameters: Parameters::long(payload),
             digest: digest(payload, COMMAND + 2),
-            is_repeated: payload.byte(CONFIRMATION) > 0,
+            is_repeated: payload.byte(CONFIRMATION) > 0 || is_numbered(payload),
         };
         self.arrived(&arrival, from, around)
     }
@@ -159,7 +159,7 @@ impl CommandService {
             command: payload.word(COMMAND),
             parameters: Parameters::int(payload),
             digest: digest(payload, FRAME + 1),
-            is_repeated: false,
+            is_repeated: is_numbered(payload),
         };
         self.arrived(&arrival, from, around)
     }
@@ -288,6 +288,12 @@ impl CommandService {
             acknowledge(outbox, entry.from, entry.command, result);
         }
     }
+}
+
+/// Whether a command has a number of its own, so that the same again is no other one: photos have.
+fn is_numbered(payload: Payload<'_>) -> bool {
+    const SEQUENCE: usize = 12;
+    payload.word(COMMAND) == number::IMAGE_START_CAPTURE && payload.float(SEQUENCE) > 0.0
 }
 
 /// A checksum over all that makes two commands the same, but for the confirmation.

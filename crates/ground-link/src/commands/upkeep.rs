@@ -99,6 +99,7 @@ pub(super) fn camera(command: u16, p: &Parameters) -> Option<Translated> {
         number::DO_SET_CAM_TRIGG_DIST if p.number(1) < 0.0 => Err(CommandResult::Denied),
         number::DO_SET_CAM_TRIGG_DIST => Ok(Request::PhotosByDistance {
             distance: p.number(1),
+            at_once: p.is(3, 1.0),
         }),
         _ => return None,
     })

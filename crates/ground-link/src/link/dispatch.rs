@@ -86,7 +86,8 @@ impl Core {
         true
     }
 
-    /// `MISSION_SET_CURRENT`: the answer is what is current then.
+    /// `MISSION_SET_CURRENT`: the answer is what is current, once it is so. Whoever hears another number
+    /// right away believes it refused, or asks again without end.
     fn set_current(&mut self, payload: Payload<'_>, from: Address, now: u64, context: &Context<'_>) {
         if !payload.is_for(self.config.address, 2) {
             return;
@@ -99,11 +100,13 @@ impl Core {
                 from,
                 id: None,
             });
+            if context.telemetry.mission.current == index {
+                self.streams.hasten(streams::MISSION_CURRENT, context.time(now));
+            }
         } else {
             let text = format_args!("mission has no item {}", Whole(index.into()));
             self.outbox.say(Severity::Warning, text);
         }
-        self.streams.hasten(streams::MISSION_CURRENT, context.time(now));
     }
 
     #[inline(never)]

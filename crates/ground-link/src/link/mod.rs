@@ -186,6 +186,16 @@ impl Link {
         }
     }
 
+    /// Nobody is at the other end any more: what was being uploaded has come to nothing.
+    pub fn close(&mut self, context: &mut Context<'_>) {
+        self.core.mission.close(&mut crate::mission::Surroundings {
+            own: self.core.config.address,
+            plans: &mut *context.plans,
+            outbox: &mut self.core.outbox,
+            now: 0,
+        });
+    }
+
     /// Takes bytes that have come, at `now` µs.
     #[inline(never)]
     pub fn receive(&mut self, bytes: &[u8], now: u64, context: &mut Context<'_>) {

@@ -7,6 +7,7 @@
 mod download;
 mod item;
 mod plan;
+mod turn;
 mod upload;
 
 use heapless::Deque;
@@ -21,6 +22,7 @@ use crate::text::{Plain, Severity};
 use crate::wire::{Message, Payload};
 
 use download::Download;
+use turn::{TURNS, Turn, Wanted};
 use upload::{Finished, Upload};
 
 pub(crate) use item::item_message;
@@ -79,6 +81,7 @@ pub(crate) struct MissionService {
     upload: Option<Upload>,
     finished: Option<Finished>,
     downloads: Deque<Download, DOWNLOADS>,
+    turns: Deque<Turn, TURNS>,
 }
 
 impl MissionService {
@@ -88,18 +91,19 @@ impl MissionService {
             return;
         }
         let code = payload.byte(2);
-        let kinds = match (code, PlanKind::from_code(code)) {
-            (ALL, _) => &PlanKind::EACH[..],
-            (_, Some(PlanKind::Mission)) => &[PlanKind::Mission],
-            (_, Some(PlanKind::Fence)) => &[PlanKind::Fence],
-            (_, Some(PlanKind::Rally)) => &[PlanKind::Rally],
-            (_, None) => return around.ack(from, code, MissionResult::Unsupported),
-        };
+        if kinds(code).is_empty() {
+            return around.ack(from, code, MissionResult::Unsupported);
+        }
+        self.want(Wanted::Empty(code), from, around);
+    }
+
+    /// Empties plans, by the code of their kind.
+    fn empty(&mut self, code: u8, from: Address, around: &mut Surroundings<'_>) {
         if self.upload.as_ref().is_some_and(|upload| upload.from != from) {
             return around.ack(from, code, MissionResult::Denied);
         }
         self.abandon(around);
-        for kind in kinds {
+        for kind in kinds(code) {
             if let Err(refusal) = commit_empty(*kind, around.plans) {
                 around.ack(from, code, refusal.result);
                 let (kind, reason) = (Plain(kind.name()), Plain(refusal.reason.as_str()));
@@ -117,11 +121,28 @@ impl MissionService {
         }
     }
 
+    /// Whoever was at the other end is not there any more.
+    pub fn close(&mut self, around: &mut Surroundings<'_>) {
+        self.abandon(around);
+        self.turns.clear();
+    }
+
     /// Ends an upload without a trace.
     fn abandon(&mut self, around: &mut Surroundings<'_>) {
         if let Some(upload) = self.upload.take() {
             around.plans.abort(upload.kind);
         }
+    }
+}
+
+/// The kinds of plans that a code means; none where it means nothing.
+fn kinds(code: u8) -> &'static [PlanKind] {
+    match (code, PlanKind::from_code(code)) {
+        (ALL, _) => &PlanKind::EACH,
+        (_, Some(PlanKind::Mission)) => &[PlanKind::Mission],
+        (_, Some(PlanKind::Fence)) => &[PlanKind::Fence],
+        (_, Some(PlanKind::Rally)) => &[PlanKind::Rally],
+        (_, None) => &[],
     }
 }
 

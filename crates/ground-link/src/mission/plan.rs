@@ -94,6 +94,10 @@ pub trait PlanStore {
     /// Whether an item can be flown.
     fn check(&self, kind: PlanKind, index: u16, item: &MissionItem) -> Result<(), PlanRefusal>;
 
+    /// Whether a plan that was committed is still on its way to the core: soon [`PlanStore::begin`] will
+    /// be possible, and now it is not.
+    fn is_settling(&self, kind: PlanKind) -> bool;
+
     /// An upload of so many items begins: the slot that it goes into. The slot in use stays as it
     /// is.
     fn begin(&mut self, kind: PlanKind, count: u16) -> Result<u8, PlanRefusal>;

@@ -8,6 +8,7 @@
 use windhover_autopilot::MissionCommit;
 
 use super::item::{self, Received};
+use super::turn::Wanted;
 use super::{MissionResult, MissionService, PlanKind, PlanRefusal, Surroundings};
 use crate::checksum::plan_crc;
 use crate::frame::Address;
@@ -61,7 +62,17 @@ impl MissionService {
         let Some(kind) = around.kind(payload, 2, from) else {
             return;
         };
-        let count = payload.word(0);
+        self.want(Wanted::Upload(kind, payload.word(0)), from, around);
+    }
+
+    /// An upload of so many items begins.
+    pub(super) fn upload(
+        &mut self,
+        kind: PlanKind,
+        count: u16,
+        from: Address,
+        around: &mut Surroundings<'_>,
+    ) {
         if self.upload.is_some_and(|upload| upload.from != from) {
             return around.ack(from, kind.code(), MissionResult::Denied);
         }
@@ -251,6 +262,7 @@ impl MissionService {
 
     /// Asks again for what has not come; gives up in the end.
     pub fn poll(&mut self, around: &mut Surroundings<'_>) {
+        self.take_turns(around);
         let Some(upload) = &mut self.upload else { return };
         if around.now.saturating_sub(upload.progressed) >= GIVE_UP {
             let upload = *upload;

@@ -14,7 +14,7 @@ pub struct Budget {
 }
 
 /// The reserve lasts so long, µs.
-const RESERVE: i64 = 200_000;
+const RESERVE: i64 = 50_000;
 
 /// The least reserve, bytes: a frame.
 const LEAST: i64 = 300;

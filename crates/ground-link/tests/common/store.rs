@@ -14,6 +14,8 @@ pub struct Store {
     staged: [bool; 3],
     pub commits: u32,
     pub refuse_commit: bool,
+    /// What was committed is still on its way to the core.
+    pub is_settling: bool,
 }
 
 impl Store {
@@ -65,6 +67,10 @@ impl PlanStore for Store {
             return Err(PlanRefusal::new(MissionResult::Unsupported, reason));
         }
         Ok(())
+    }
+
+    fn is_settling(&self, _kind: PlanKind) -> bool {
+        self.is_settling
     }
 
     fn begin(&mut self, kind: PlanKind, _count: u16) -> Result<u8, PlanRefusal> {

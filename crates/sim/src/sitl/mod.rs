@@ -146,11 +146,13 @@ fn receive(net: &mut Net, served: &mut Served, now: u64, tell: &mut dyn FnMut(&L
     net.receive(&mut |arrival| match arrival {
         Arrival::Packet(link, packet) => served.receive_packet(link, packet, now),
         Arrival::Bytes(link, bytes) => served.receive(link, bytes, now),
-        Arrival::Opened(link, from) => {
-            served.renew(link);
+        Arrival::Opened(_, from) => {
             tell(&line(served, &format!("Connected by TCP: {from}")));
         }
-        Arrival::Closed(_) => tell(&line(served, "Disconnected by TCP")),
+        Arrival::Closed(link) => {
+            served.close(link);
+            tell(&line(served, "Disconnected by TCP"));
+        }
     });
 }
 

@@ -16,6 +16,13 @@ pub const STREAMS: usize = 4;
 /// Links in all: one for all packets, one for each stream.
 pub const LINKS: usize = 1 + STREAMS;
 
+/// Packets that are taken at once: no more commands than a link answers before it is asked what to
+/// send, and a flood does not keep the vehicle from flying.
+const PACKETS: usize = 4;
+
+/// Bytes of a stream that are taken at once: some five commands.
+const BYTES: usize = 256;
+
 /// Bytes that wait for a stream that does not take them; more are lost, frame by frame.
 const BACKLOG: usize = 65_536;
 
@@ -84,7 +91,7 @@ impl Net {
             .map_err(|e| format!("--udp {target}: {e}"))
     }
 
-    /// Hands over what has come.
+    /// Hands over what has come, some of it; what is left waits in its socket, where nothing is lost.
     pub fn receive(&mut self, take: &mut dyn FnMut(Arrival<'_>)) {
         self.receive_packets(take);
         self.accept(take);
@@ -95,8 +102,7 @@ impl Net {
 
     fn receive_packets(&mut self, take: &mut dyn FnMut(Arrival<'_>)) {
         let mut buffer = [0; 2048];
-        // Bounded: a flood does not keep the vehicle from flying.
-        for _ in 0..256 {
+        for _ in 0..PACKETS {
             let Some((socket, target)) = &self.udp else {
                 return;
             };
@@ -143,18 +149,16 @@ impl Net {
     }
 
     fn receive_bytes(&mut self, index: usize, take: &mut dyn FnMut(Arrival<'_>)) {
-        let mut buffer = [0; 4096];
-        for _ in 0..16 {
-            let Some(stream) = &mut self.streams[index] else {
-                return;
-            };
-            match stream.socket.read(&mut buffer) {
-                Ok(length) if length > 0 => take(Arrival::Bytes(1 + index, &buffer[..length])),
-                Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => return,
-                _ => {
-                    self.streams[index] = None;
-                    take(Arrival::Closed(1 + index));
-                }
+        let mut buffer = [0; BYTES];
+        let Some(stream) = &mut self.streams[index] else {
+            return;
+        };
+        match stream.socket.read(&mut buffer) {
+            Ok(length) if length > 0 => take(Arrival::Bytes(1 + index, &buffer[..length])),
+            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+            _ => {
+                self.streams[index] = None;
+                take(Arrival::Closed(1 + index));
             }
         }
     }

@@ -96,9 +96,13 @@ impl Served {
         })
     }
 
-    /// Somebody new is at the other end of a link.
-    pub fn renew(&mut self, link: usize) {
-        self.vehicle.forget(link);
+    /// Whoever was at the other end of a link is gone.
+    pub fn close(&mut self, link: usize) {
+        let mut medium = Medium {
+            plans: &mut self.flown.plans,
+            log: &mut self.log,
+        };
+        self.vehicle.close(&mut self.links[link], link, &mut medium);
         self.links[link] = self.fresh_link(link);
     }
 

@@ -54,6 +54,10 @@ impl PlanStore for Plans {
         ))
     }
 
+    fn is_settling(&self, kind: PlanKind) -> bool {
+        black_box(kind == PlanKind::Fence)
+    }
+
     fn begin(&mut self, _: PlanKind, _: u16) -> Result<u8, PlanRefusal> {
         black_box(Ok(0))
     }

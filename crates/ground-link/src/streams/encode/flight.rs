@@ -87,6 +87,9 @@ pub(super) fn servo_output(source: &Source<'_>, m: &mut Message) {
     m.zeros(OTHER_OUTPUTS + 1);
 }
 
+/// `MISSION_CURRENT` has this total where there is none: 0 says that totals are not told.
+const NO_MISSION: u16 = u16::MAX;
+
 pub(super) fn mission_current(source: &Source<'_>, m: &mut Message) {
     let t = source.telemetry;
     let [mission, fence, rally] = source.plans;
@@ -99,7 +102,11 @@ pub(super) fn mission_current(source: &Source<'_>, m: &mut Message) {
     };
     let is_flown = t.mode == crate::Mode::Mission;
     m.word(t.mission.current)
-        .word(mission.count)
+        .word(if mission.count == 0 {
+            NO_MISSION
+        } else {
+            mission.count
+        })
         .byte(state as u8)
         .byte(if is_flown { IN_MISSION } else { SUSPENDED })
         .long(mission.crc)
