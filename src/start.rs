@@ -66,7 +66,7 @@ fn make(stored: &'static mut Stored, last: LastRun) -> Core {
     static TOLD: [StaticCell<Told>; 2] = [const { StaticCell::new() }; 2];
 
     let outer_config = OuterConfig::default();
-    let outer = OUTER.init_with(|| outer(&stored.parameters, stored.damaged, &outer_config));
+    let outer = OUTER.init_with(|| outer(stored, &outer_config));
     let parameters = *outer.parameters();
     let config = InnerConfig {
         imu_rate: parameters.board.imu_rate(),
@@ -139,15 +139,16 @@ fn commit(plans: &[MissionCommit; 3]) {
 
 /// The outer step with these parameters; where some are damaged, one that does not arm of itself.
 #[inline(never)]
-fn outer(parameters: &Parameters, damaged: bool, config: &OuterConfig) -> Outer {
-    if let Some(outer) = Outer::new(*parameters, config) {
-        return if damaged {
+fn outer(stored: &mut Stored, config: &OuterConfig) -> Outer {
+    if let Some(outer) = Outer::new(stored.parameters, config) {
+        return if stored.damaged {
             outer.with_damaged_storage()
         } else {
             outer
         };
     }
     defmt::error!("the stored parameters describe no vehicle that flies: all are at their defaults");
+    stored.keeper.distrust();
     Outer::new(Parameters::default(), config)
         .expect("the default parameters describe a vehicle that flies")
         .with_damaged_storage()

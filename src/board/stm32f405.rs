@@ -134,7 +134,7 @@ impl NorFlash for Storage {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 0x4000;
 
-    /// The processor stands still for half a second, since its code lies in the same flash.
+    /// The processor stands still for 0.4 to 0.8 s, since its code lies in the same flash.
     /// Time stands still with it: its interrupts come more often than that. The watchdog waits longer
     /// meanwhile.
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {

@@ -7,7 +7,7 @@ use embassy_sync::pipe::Pipe;
 use embassy_time::{Duration, Instant, Timer};
 use windhover_autopilot::{MissionCommit, Parameters};
 use windhover_flight_log::version;
-use windhover_ground_link::{Address, Config, Link};
+use windhover_ground_link::{Address, Config, Link, Severity};
 use windhover_storage::View;
 use windhover_vehicle_link::{Fitting, Told, VehicleLink};
 
@@ -118,13 +118,17 @@ impl Ground {
 
     /// Stores one thing that is not stored yet, if there is one and the vehicle is disarmed; whether
     /// there was one.
-    async fn store(&self, stored: &mut Stored, now: u64) -> bool {
+    async fn store(&mut self, stored: &mut Stored, now: u64) -> bool {
         let view = View {
             time: now,
             armed: shared::value(&COUNTERS.armed) != 0 || self.vehicle.telemetry().armed,
             parameters: self.vehicle.parameters(),
             plans: self.vehicle.committed(),
         };
+        if view.armed {
+            // Whoever flies meanwhile does not want it any more.
+            self.restart_asked = None;
+        }
         let task = stored.keeper.next(&view, &Shelf);
         let patience = if task.is_none() { FAREWELL } else { PATIENCE };
         let restarts = self.restart_asked.is_some_and(|asked| now > asked + patience);
@@ -134,6 +138,13 @@ impl Ground {
         let Some(task) = task else { return false };
         let outcome = stored.journal.perform(&task).await;
         stored.keeper.done(outcome);
+        if outcome.is_err() && stored.keeper.given_up().is_some() {
+            defmt::error!("flash refuses: not stored");
+            for link in &mut self.links {
+                let text = "Not stored, flash refuses: what was changed is lost when power is away";
+                link.say(Severity::Critical, format_args!("{text}"));
+            }
+        }
         true
     }
 

@@ -74,7 +74,7 @@ blockers! {
     /// There are no sticks.
     NoSticks = "no sticks for a manual mode";
     /// What is stored was found damaged.
-    StorageDamaged = "stored settings damaged, defaults loaded: check and save parameters";
+    StorageDamaged = "stored settings damaged, defaults loaded: check and save them, then restart";
 }
 
 bit_set! {

@@ -175,7 +175,7 @@ impl<F: NorFlash> Journal<F> {
     }
 
     /// Does what a [`Keeper`](crate::Keeper) names. It may erase a sector, for which a
-    /// microcontroller that runs from the same flash stands still for up to half a second: never
+    /// microcontroller that runs from the same flash stands still for up to 0.8 s: never
     /// while motors may turn. What is refused or interrupted leaves what was stored before.
     ///
     /// # Errors

@@ -231,6 +231,33 @@ fn damaged_parameters_stay_damaged_until_they_are_accepted() {
     assert_eq!((after, loaded.damage), (state, Damage::default()));
 }
 
+/// If this failed, parameters with which nothing flies, after a power cut between two groups or with
+/// another firmware, would be overwritten by the defaults that fly in their place.
+#[test]
+fn parameters_that_are_distrusted_stay_until_others_are_accepted() {
+    let mut nor = Nor::blank();
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.set(3, max(3));
+    vehicle.settle().unwrap();
+    let before = vehicle.state();
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.keeper.distrust();
+    vehicle.parameters = Parameters::default();
+    for _ in 0..100 {
+        vehicle.time += SECOND;
+        assert_eq!(vehicle.step(), None);
+    }
+    assert_eq!(load(&mut nor).0, before);
+    let mut vehicle = Vehicle::start(&mut nor);
+    vehicle.keeper.distrust();
+    vehicle.parameters = Parameters::default();
+    vehicle.keeper.accept();
+    vehicle.settle().unwrap();
+    let state = vehicle.state();
+    let (after, loaded) = load(&mut nor);
+    assert_eq!((after, loaded.damage), (state, Damage::default()));
+}
+
 /// A damaged plan is told at every start, whatever else is stored, until there is another one.
 #[test]
 fn a_damaged_plan_stays_damaged_until_it_is_replaced() {

@@ -73,7 +73,7 @@ impl Store {
         Self {
             number,
             value: (number % 3 != 1).then_some(20.0 + (number % 50) as f32),
-            mission: (number % 3 != 0).then(|| mission(number)),
+            mission: (!number.is_multiple_of(3)).then(|| mission(number)),
         }
     }
 

@@ -383,13 +383,18 @@ fn hover(station: &mut Station, what: &str) {
     station.texts.clear();
 }
 
+/// How long a way is on the ground, m.
+fn across(north: f64, east: f64) -> f64 {
+    (north * north + east * east).sqrt()
+}
+
 /// It stays in the air for so long, and within so many m across.
 fn stays(station: &mut Station, seconds: f64, drift: f64, what: &str) {
     let begin = station.flight.truth().position;
     look_on(station, seconds, what);
     assert!(station.armed, "{what}: {:#?}", station.texts);
     let moved = station.flight.truth().position - begin;
-    let (across, down) = (moved.x.hypot(moved.y), moved.z);
+    let (across, down) = (across(moved.x, moved.y), moved.z);
     println!("{what}: moved by {across:.2} m, {down:.2} m down");
     assert!(
         across < drift && down.abs() < 1.5,
@@ -402,7 +407,7 @@ fn returns(station: &mut Station, what: &str) {
     look_on(station, 30.0, what);
     assert!(!station.armed, "{what}: it does not land: {:#?}", station.texts);
     let truth = station.flight.truth();
-    let away = truth.position.x.hypot(truth.position.y);
+    let away = across(truth.position.x, truth.position.y);
     let took = station.time() - AT;
     println!("{what}: on the ground {away:.2} m away, after {took:.1} s");
     assert!(

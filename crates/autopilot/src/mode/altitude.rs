@@ -2,6 +2,7 @@
 //! what a vehicle does that has lost its position.
 
 use super::land::has_contact;
+use super::lift::Lift;
 use super::tilt::Tilt;
 use super::{Around, Demand, Motion, Step};
 use crate::rc::Sticks;
@@ -13,6 +14,7 @@ use windhover_math::Vector3;
 pub struct AltitudeHold {
     tilt: Tilt,
     glide: Glide,
+    lift: Lift,
 }
 
 impl AltitudeHold {
@@ -21,6 +23,7 @@ impl AltitudeHold {
         Self {
             tilt: Tilt::new(motion),
             glide: motion.glide,
+            lift: Lift::default(),
         }
     }
 
@@ -28,8 +31,11 @@ impl AltitudeHold {
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
         let sticks = around.sticks.unwrap_or_default();
         let climb = climb(around, &sticks);
-        if around.landed && climb >= 0.0 {
-            *self = Self::enter(&around.at_rest());
+        if self.lift.rests(around.landed, climb >= 0.0) {
+            *self = Self {
+                lift: self.lift,
+                ..Self::enter(&around.at_rest())
+            };
             return Step::of(Demand::Rest);
         }
         let behind = self.glide.position.z + around.handover.position.z - around.estimate.position.z;

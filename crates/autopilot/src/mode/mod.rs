@@ -10,6 +10,7 @@ mod course;
 pub mod descend;
 mod hold;
 mod land;
+mod lift;
 mod mission;
 mod needs;
 mod offboard;

@@ -4,6 +4,7 @@ use windhover_math::{Vector3, max, min, sin_cos, sqrt, wrap_pi};
 
 use super::altitude::climb;
 use super::land::has_contact;
+use super::lift::Lift;
 use super::{Around, Demand, Motion, Step};
 use crate::trajectory::{Glide, GlideLimits, HeadingSlew};
 
@@ -12,6 +13,7 @@ use crate::trajectory::{Glide, GlideLimits, HeadingSlew};
 pub struct PositionHold {
     glide: Glide,
     heading: HeadingSlew,
+    lift: Lift,
 }
 
 impl PositionHold {
@@ -20,6 +22,7 @@ impl PositionHold {
         Self {
             glide: motion.glide,
             heading: motion.heading,
+            lift: Lift::default(),
         }
     }
 
@@ -27,8 +30,11 @@ impl PositionHold {
     pub fn step<S: ?Sized>(&mut self, around: &Around<'_, S>) -> Step {
         let sticks = around.sticks.unwrap_or_default();
         let down = climb(around, &sticks);
-        if around.landed && down >= 0.0 {
-            *self = Self::enter(&around.at_rest());
+        if self.lift.rests(around.landed, down >= 0.0) {
+            *self = Self {
+                lift: self.lift,
+                ..Self::enter(&around.at_rest())
+            };
             return Step::of(Demand::Rest);
         }
         let p = &around.parameters.manual;

@@ -3,7 +3,7 @@
 use windhover_control::position::AttitudeSetpoint;
 use windhover_math::{GRAVITY, Vector3, max, min};
 
-use super::{Around, Demand, Motion, Step, tilt::Tilt};
+use super::{Around, Demand, Motion, Step, lift::Lift, tilt::Tilt};
 use crate::rc::Sticks;
 
 /// A throttle below this leaves a landed vehicle on the ground.
@@ -13,6 +13,7 @@ const LIFT: f32 = -0.8;
 #[derive(Clone, Debug)]
 pub struct Stabilize {
     tilt: Tilt,
+    lift: Lift,
 }
 
 impl Stabilize {
@@ -20,6 +21,7 @@ impl Stabilize {
     pub fn enter(motion: &Motion) -> Self {
         Self {
             tilt: Tilt::new(motion),
+            lift: Lift::default(),
         }
     }
 
@@ -30,7 +32,7 @@ impl Stabilize {
             ..Sticks::default()
         };
         let sticks = around.sticks.unwrap_or(hands_off);
-        if around.landed && sticks.throttle < LIFT {
+        if self.lift.rests(around.landed, sticks.throttle < LIFT) {
             self.tilt = Tilt::new(&around.at_rest());
             return Step::of(Demand::Rest);
         }

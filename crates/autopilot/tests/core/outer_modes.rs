@@ -5,7 +5,7 @@ use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use windhover_autopilot::mission::MissionEvent;
 use windhover_autopilot::mission::action::{Altitude, Place, command};
 use windhover_autopilot::mode::Target;
-use windhover_autopilot::{Command, Mode, MotorState, Parameters, Phase, Why};
+use windhover_autopilot::{Command, Mode, MotorState, Parameters, Phase, Sticks, Why};
 use windhover_math::{Vector3, scalar, wrap_pi};
 
 use super::flight::{DT, Flight};
@@ -222,6 +222,40 @@ fn a_target_is_flown_to_by_what_it_names() {
         );
         assert!((flight.attitude.heading() + 1.0).abs() < 0.02);
         assert_eq!(flight.report().mode, Mode::Hold);
+    }
+}
+
+/// If this failed, a mode switch that is moved with the throttle up, after an arming in hold, would make
+/// the vehicle leap.
+#[test]
+fn a_throttle_that_is_up_lifts_nothing_before_it_has_been_down() {
+    let throttle = |throttle| {
+        Some(Sticks {
+            throttle,
+            ..Sticks::default()
+        })
+    };
+    for mode in [Mode::Stabilize, Mode::Altitude, Mode::Position] {
+        let mut flight = Flight::new();
+        flight.steady.sticks = throttle(0.6);
+        flight.step();
+        flight.obey(Command::Arm);
+        flight.obey(Command::Fly(mode));
+        flight.run(3.0);
+        assert_eq!(flight.result.motors, MotorState::Idle, "{mode:?}");
+        assert!(flight.position.z > -0.01, "{mode:?}: {}", flight.position);
+        flight.steady.sticks = throttle(-1.0);
+        flight.run(0.5);
+        flight.steady.sticks = throttle(0.6);
+        flight.run(3.0);
+        assert!(flight.position.z < -1.0, "{mode:?}: {}", flight.position);
+        // In the air a mode takes the throttle as it is.
+        flight.obey(Command::Fly(Mode::Hold));
+        flight.run(1.0);
+        flight.obey(Command::Fly(mode));
+        let height = -flight.position.z;
+        flight.run(2.0);
+        assert!(-flight.position.z > height + 0.5, "{mode:?}: {}", flight.position);
     }
 }
 

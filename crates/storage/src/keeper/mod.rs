@@ -141,6 +141,14 @@ impl Keeper {
         }
     }
 
+    /// The parameters that were loaded are of no use: as where they are damaged, nothing is stored over
+    /// them until a human says so.
+    pub fn distrust(&mut self) {
+        self.on_hold = true;
+        self.found_damage = true;
+        self.step = None;
+    }
+
     /// A human wants parameters and plans to be stored as they are now. After damage, or where it has
     /// given up, all are written anew: into a journal that is cleared for it, if parameters are
     /// damaged or it does not work otherwise. Else it is [`Keeper::hurry`].

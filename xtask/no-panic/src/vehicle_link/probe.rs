@@ -31,9 +31,10 @@ extern "C" fn reset() -> ! {
         Default::default(),
     ));
     vehicle.set_trouble(black_box("panic"));
-    let told = told.write(Told::default());
+    let mut told = told.write(Told::default());
     let bytes = [0; 64];
     let mut taken = Told::default();
+    let mut taken = &mut taken;
     loop {
         let now = black_box(0);
         told_outer(
@@ -51,7 +52,7 @@ extern "C" fn reset() -> ! {
         black_box(vehicle_step(
             vehicle,
             black_box(links),
-            black_box(told),
+            black_box(&mut told),
             black_box(&mut taken),
             now,
         ));
@@ -110,14 +111,14 @@ fn vehicle_receive(
 /// Everything between core and links.
 #[inline(never)]
 #[unsafe(no_mangle)]
-fn vehicle_step(
+fn vehicle_step<'a>(
     vehicle: &mut VehicleLink,
     links: &mut [Link; 1],
-    told: &mut Told,
-    taken: &mut Told,
+    told: &mut &'a mut Told,
+    taken: &mut &'a mut Told,
     now: u64,
 ) -> OuterInputs {
-    told.take_into(taken);
+    Told::take(told, taken);
     vehicle.step(links, taken, now, &mut |severity, text| {
         black_box((severity, text));
     });
