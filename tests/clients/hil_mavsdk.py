@@ -38,7 +38,7 @@ def fly(system, items):
     action.return_to_launch()
     wait_for("it has landed", lambda: telemetry.landed_state() == LandedState.ON_GROUND
              and not telemetry.armed(), LONG)
-    print(f"  {progress.current} of {progress.total} items, landed and disarmed")
+    print(f"  {progress.total} items flown, landed and disarmed")
 
 
 def main():
