@@ -16,8 +16,8 @@ const REPLIES: usize = 32;
 /// Acknowledgements of commands that wait: no flood of other questions may crowd them out.
 const ACKNOWLEDGEMENTS: usize = 16;
 
-/// Requests that wait: as many as parameters may be written at once.
-const REQUESTS: usize = 16;
+/// Requests that wait.
+const REQUESTS: usize = 8;
 
 /// An answer: small, and made into bytes when it is sent.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,7 +28,7 @@ const HASH: &str = "_HASH_CHECK";
 const NAME: usize = 16;
 
 /// Writes that wait for the table to show them: clients send several at once.
-const WRITES: usize = 16;
+const WRITES: usize = 12;
 
 /// A write that the table does not show after this time is answered with what it holds, µs.
 const WRITE_TIMEOUT: u64 = 400_000;
