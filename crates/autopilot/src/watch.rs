@@ -15,8 +15,8 @@ use crate::schedule::OUTER_RATE;
 use crate::supervisor::row::ROWS;
 use crate::supervisor::{Row, RowSet};
 
-/// Rows are looked at every so many outer steps.
-const EVERY: u8 = 5;
+/// Rows are looked at every so many outer periods.
+const EVERY: u16 = 5;
 
 /// Time between two looks, s.
 const PERIOD: f32 = EVERY as f32 / OUTER_RATE as f32;
@@ -208,7 +208,10 @@ pub struct Watch {
     /// The conditions that held at the last look.
     last: RowSet,
     active: RowSet,
-    steps: u8,
+    /// Outer periods since the last look that was due.
+    periods: u16,
+    /// Times of a look that are not counted yet: several after a late outer step.
+    looks: u16,
 }
 
 impl Default for Watch {
@@ -218,7 +221,8 @@ impl Default for Watch {
             held: [0; ROWS],
             last: RowSet::default(),
             active: RowSet::default(),
-            steps: 0,
+            periods: 0,
+            looks: 0,
         }
     }
 }
@@ -234,16 +238,18 @@ impl Watch {
     #[inline]
     pub fn step(&mut self, snapshot: &Snapshot, wanted: &Wanted, on_sensors: bool) -> bool {
         self.symptoms.look(snapshot, wanted, on_sensors);
-        self.steps = if self.steps >= EVERY - 1 {
-            0
-        } else {
-            self.steps + 1
-        };
-        self.steps == 0
+        // A step that comes late stands for all the periods that it took.
+        let passed = (snapshot.increments.duration * OUTER_RATE as f32 + 0.5) as u16;
+        self.periods = self.periods.saturating_add(passed.max(1));
+        let looks = self.periods / EVERY;
+        self.periods -= looks * EVERY;
+        self.looks = self.looks.saturating_add(looks);
+        looks > 0
     }
 
-    /// Looks at the rows; those that have become active.
+    /// Looks at the rows, when it is due or before; those that have become active.
     pub fn look(&mut self, seen: &Seen<'_>) -> RowSet {
+        let looks = core::mem::take(&mut self.looks);
         let now = self.symptoms.rows(seen);
         let before = self.active;
         let changed = now.xor(self.last);
@@ -255,7 +261,7 @@ impl Watch {
             *held = if changed.contains(row) {
                 0
             } else {
-                held.saturating_add(1)
+                held.saturating_add(looks)
             };
             let watched = row.watched();
             let time = if now.contains(row) {
@@ -298,4 +304,54 @@ pub fn time_to_return(distance: f32, height: f32, parameters: &Parameters) -> f3
         + distance / p.cruise_speed
         + max(top - slow, 0.0) / max(p.descend_speed, p.land_speed)
         + slow / p.land_speed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If this failed, what is over would stay for many times as long behind outer steps that come late,
+    /// and what is wrong would be found as late.
+    #[test]
+    fn a_row_is_over_by_time_however_late_steps_come() {
+        let parameters = Parameters::default();
+        let mut estimate = Estimate::default();
+        for periods in [1u16, 4, 15] {
+            let mut watch = Watch::default();
+            let mut snapshot = Snapshot {
+                tick: 0,
+                time: 0,
+                increments: Increments::default(),
+                stopped: None,
+                inputs: Default::default(),
+            };
+            snapshot.increments.duration = f32::from(periods) * 0.004;
+            let mut time = 0.0;
+            while time < 0.1 || watch.active().contains(Row::AttitudeUnknown) {
+                estimate.known.attitude = time > 0.1;
+                time += snapshot.increments.duration;
+                assert!(time < 10.0, "{periods}");
+                if watch.step(&snapshot, &Wanted::default(), true) {
+                    watch.look(&Seen {
+                        parameters: &parameters,
+                        snapshot: &snapshot,
+                        estimate: &estimate,
+                        position_age: None,
+                        compass_lost: false,
+                        barometer_lost: false,
+                        mode: Mode::Hold,
+                        needs: Mode::Hold.needs(false),
+                        height: 0.0,
+                        charge: Charge::default(),
+                        range_short: false,
+                        rc_lost: false,
+                        station_age: None,
+                        setpoint_fresh: false,
+                        breach: false,
+                    });
+                }
+            }
+            assert!((2.08..2.3).contains(&time), "{periods}: over after {time} s");
+        }
+    }
 }

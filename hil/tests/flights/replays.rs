@@ -88,8 +88,7 @@ fn with_an_outer_step_slowed_until_deadlines_are_missed() {
 }
 
 /// Behind an outer step that leaves next to no time, commands are heard and no input is missing
-/// from the log. An estimate that gets its samples 60 ms late may be given up: by chance of when, in
-/// half of such flights. Then the failsafe acts and is named; else the vehicle climbs.
+/// from the log.
 #[test]
 fn with_an_outer_step_that_takes_nearly_all_of_the_time() {
     let mut plan = plan(5.0)
@@ -100,15 +99,13 @@ fn with_an_outer_step_that_takes_nearly_all_of_the_time() {
         share: 1.0,
         seed: 1,
     });
-    let (flight, figures) = fly(&plan);
+    let (_, figures) = fly(&plan);
     assert!(figures.replays(), "{:?}", figures.replay);
-    let log = flight.flight_log();
-    let says = |text: &str| log.windows(text.len()).any(|bytes| bytes == text.as_bytes());
-    let outcome = figures.outcome;
-    assert!(says("mode offboard") && outcome.stopped, "{outcome:?}");
-    // Off the ground either way: the command to arm was heard, and the thrust.
-    let flies = outcome.height > 3.0 || says("failsafe attitude_unknown");
-    assert!(flies && outcome.height > 0.05, "{outcome:?}");
+    assert!(
+        figures.outcome.height > 3.0 && figures.outcome.stopped,
+        "{:?}",
+        figures.outcome
+    );
 }
 
 /// A command port that babbles as fast as it can takes nothing from the inner loop, and what comes

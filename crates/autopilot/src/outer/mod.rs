@@ -394,7 +394,9 @@ impl Outer {
         let due = self
             .watch
             .step(snapshot, &self.wanted, self.estimation.is_on_sensors());
-        if !due && !lost {
+        // Whoever wants to arm is told what holds now, and arms with that.
+        let settles = self.supervisor.phase() == Phase::Disarmed && self.is_commanded(snapshot);
+        if !due && !lost && !settles {
             return None;
         }
         if due {
