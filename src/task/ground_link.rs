@@ -31,7 +31,7 @@ const STORE_EVERY: u32 = 10;
 /// A restart that was asked for waits for so long at most for what is still to be stored, µs.
 const PATIENCE: u64 = 3_000_000;
 
-/// And for so long at least, µs, so that its answer goes out: twice what a full [`OUTGOING`] takes.
+/// And for so long at least, µs, so that its answer goes out: longer than a full [`OUTGOING`] takes.
 const FAREWELL: u64 = 200_000;
 
 /// Bytes on their way out: what the link's budget has in reserve for telemetry, 50 ms, as much for
